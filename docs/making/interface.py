@@ -18,6 +18,7 @@ from making.text import field, markdown, restructured
 from making.tree import Source, definition, source_of, sources, trailing_comments
 
 HOLDERS = ("Mechanism", "Result", "Film")  # what they return is documented too
+NAMED = {"fit": "rattle.catalogue.fits.Fit", "oil": "rattle.catalogue.oils.Oil"}  # functions, and what they return
 MADE_BY_USERS = ("Mechanism", "Film")  # the classes whose signature matters to a reader
 
 
@@ -28,10 +29,13 @@ def pages(folder: Path) -> dict[str, str]:
     laws = [name for name in functions if name.endswith("_law")]
     errors = [name for name, one in public.items() if isinstance(one, type) and issubclass(one, Exception)]
     classes = [name for name in public if name not in {*functions, *errors, *HOLDERS}]
-    parts = ["## Mechanisms", *(_function(name) for name in functions if name not in {*laws, "load_result"})]
+    elsewhere = {*laws, "load_result", *NAMED}
+    parts = ["## Mechanisms", *(_function(name) for name in functions if name not in elsewhere)]
     parts += [_class("rattle.Mechanism"), "## Results", _function("load_result"), _class("rattle.Result")]
     parts += [_class(f"rattle.{name}") for name in classes]
-    parts += ["## Oil films", _class("rattle.Film")]
+    parts += ["## Oil films", _class("rattle.Film"), "## Named data"]
+    for name, answer in NAMED.items():
+        parts += [_function(name), _class(answer)]
     parts += [
         "## What analyses return",
         *(_class(f"{source.name}.{name}") for name, source in returned(public).items()),

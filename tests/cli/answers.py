@@ -116,6 +116,13 @@ LINES = {
         "wear slider_crank",
     ],
     "report": ["report slider_crank -o report.txt"],
+    "fit": ['fit H7/g6 "8 mm"', "fit H8/f7 6mm 10mm 0.025", 'fit H7/g6 "8 mm" --json', 'fit H7/p6 "8 mm"', "fit H7/g6"],
+    "oil": [
+        'oil "ISO VG 46" "40 degC" "60 degC" "-10 degC"',
+        'oil "ISO VG 100" --vi 140 --density "860 kg/m^3" --json 333.15',
+        'oil "ISO VG 47"',
+        'oil "ISO VG 46" 60',
+    ],
     "code": ["code fourbar_onesided -o here.c"],
     "plot": ["plot nothing.nc rocker.angle"],
 }

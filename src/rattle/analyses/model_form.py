@@ -21,6 +21,7 @@ from rattle.analyses.assembly.assembly import has_play
 from rattle.analyses.assembly.start_constants import constants_of
 from rattle.analyses.assembly.without_play import ideal_model
 from rattle.description.model import Model
+from rattle.description.read_parameters import with_values
 from rattle.description.read_values import is_computable
 from rattle.description.reader import read
 from rattle.equations.system import System, compile_system, length_of
@@ -155,11 +156,8 @@ def recorded_places(system: System) -> dict[str, tuple[np.ndarray, list[Operand]
 
 def _read_at(document: Tree, values: Mapping[str, float], like: Model) -> Model | None:
     """The model as it is read with other values; None where it cannot be read."""
-    table = dict(document["parameters"])
-    for name, value in values.items():
-        table[name] = {**table[name], "value": value} if isinstance(table[name], Mapping) else value
     try:
-        model = read({**document, "parameters": table})
+        model = read(with_values(document, values))
     except ModelError:
         return None
     return beside(model, like)

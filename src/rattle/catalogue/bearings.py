@@ -36,21 +36,16 @@ _GLUED = re.compile(r"([0-9]+)([A-Z].*)")  # 6208ZZ, 6208C3
 
 @dataclass(frozen=True, slots=True)
 class BearingPlay:
-    """The radial play of a rolling bearing; all lengths in m.
+    """The radial play of a rolling bearing before mounting."""
 
-    radial, tol: mean radial play, and by how much bearings may differ from it.  bore: diameter of the inner ring.
-    group: "C2" to "C5", CN the normal one.  least, largest: the whole radial movement, as tables have it.  title: what
-    bearing it is.  source: where the figures are from.
-    """
-
-    radial: float
-    tol: float
-    bore: float
-    group: str
-    least: float
-    largest: float
-    title: str
-    source: str
+    radial: float  # mean radial play [m]
+    tol: float  # by how much bearings may differ from it [m]
+    bore: float  # of the inner ring, its diameter [m]
+    group: str  # of play: "C2" to "C5", CN the normal one
+    least: float  # the whole radial movement as tables have it [m]
+    largest: float  # of bearings with much play [m]
+    title: str  # what bearing it is
+    source: str  # where the figures are from
 
 
 def bearing(written: str | Mapping[str, Any]) -> BearingPlay:

@@ -28,20 +28,16 @@ _HALF = re.compile(r"([A-Za-z]+)([0-9]+)")
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """A fit of ISO 286 at one diameter; all lengths in m.
+    """A fit of ISO 286 at one diameter."""
 
-    text: "H7/g6".  diameter: nominal size.  hole: deviations EI and ES.  shaft: ei and es.  least, largest: play as the
-    difference of the diameters.  radial, tol: mean radial play, and by how much parts may differ from it.
-    """
-
-    text: str
-    diameter: float
-    hole: tuple[float, float]
-    shaft: tuple[float, float]
-    least: float
-    largest: float
-    radial: float
-    tol: float
+    text: str  # such as "H7/g6"
+    diameter: float  # nominal size [m]
+    hole: tuple[float, float]  # deviations EI and ES from it [m]
+    shaft: tuple[float, float]  # deviations ei and es [m]
+    least: float  # play as the difference of the diameters [m]
+    largest: float  # the same where the bore is largest and the pin smallest [m]
+    radial: float  # mean radial play, a quarter of the sum of these [m]
+    tol: float  # by how much the radial play of parts may differ from it [m]
 
     @property
     def bore(self) -> tuple[float, float]:

@@ -22,7 +22,7 @@ from rattle.language.units import FREEZING
 COLDEST, HOTTEST = 243.15, 473.15  # -30 and 200 degC [K]: beyond them oils set or burn, and the law was not fitted
 AT_40, AT_100 = 313.15, 373.15  # where oils are measured [K]
 AT_15 = 288.15  # where their density is [K]
-MM2 = 1e-6  # of a mm^2/s [m^2/s]
+MM2 = 1e6  # mm^2/s in a m^2/s
 SHIFT = 0.7  # of ASTM D341 [mm^2/s]; below UNCORRECTED the standard has more terms
 UNCORRECTED = 2.0  # viscosity [mm^2/s] from which on this form of D341 holds, and from which on D2270 has constants
 THINNEST = 1.0 - SHIFT  # viscosity [mm^2/s] at which the law ends: the logarithm of the logarithm
@@ -42,25 +42,20 @@ _NAME = re.compile(r"(?:ISO)?[\s-]*VG[\s-]*([0-9]+)", re.IGNORECASE)
 
 @dataclass(frozen=True, slots=True)
 class Oil:
-    """An oil: its viscosity and density over temperature, which is a text with a unit or a number in K.
+    """An oil: its viscosity and density over temperature, which is a text with a unit or a number in K."""
 
-    title: what oil it is.  vi: its viscosity index [-], nan below 2 mm^2/s at 100 degC, where there is none.  nu40,
-    nu100: kinematic viscosity at 40 and 100 degC [m^2/s].  density15: density at 15 degC [kg/m^3].  assumed: what is
-    typical rather than of this oil, in words.
-    """
-
-    title: str
-    vi: float
-    nu40: float
-    nu100: float
-    density15: float
-    assumed: tuple[str, ...]
+    title: str  # what oil it is
+    vi: float  # viscosity index [-]; nan below 2 mm^2/s at 100 degC, where there is none
+    nu40: float  # kinematic viscosity at 40 degC [m^2/s]
+    nu100: float  # kinematic viscosity at 100 degC [m^2/s]
+    density15: float  # density at 15 degC [kg/m^3]
+    assumed: tuple[str, ...]  # what is typical rather than of this oil, in words
 
     def kinematic(self, T: str | float) -> float:
         """Kinematic viscosity [m^2/s] at a temperature.  Raises InputError outside -30 ... 200 degC."""
-        kelvin, high, low = temperature(T), _law(self.nu40 / MM2), _law(self.nu100 / MM2)
+        kelvin, high, low = temperature(T), _law(self.nu40 * MM2), _law(self.nu100 * MM2)
         slope = (high - low) / math.log10(AT_100 / AT_40)
-        return float(10.0**10.0 ** (high - slope * math.log10(kelvin / AT_40)) - SHIFT) * MM2
+        return float(10.0**10.0 ** (high - slope * math.log10(kelvin / AT_40)) - SHIFT) / MM2
 
     def density(self, T: str | float) -> float:
         """Density [kg/m^3] at a temperature.  Raises InputError outside -30 ... 200 degC."""
@@ -151,7 +146,7 @@ def _by_grade(written: Mapping[str, Any]) -> Oil:
             )
         title += f", VI {index:g}"
     density, hot = _density(written, assumed), _hot(grade, index)
-    return Oil(title, index, grade * MM2, hot * MM2, density, (*assumed, *_uncorrected(hot)))
+    return Oil(title, index, grade / MM2, hot / MM2, density, (*assumed, *_uncorrected(hot)))
 
 
 def _grade(written: object) -> tuple[float, str]:
@@ -211,12 +206,12 @@ def _by_points(written: Mapping[str, Any]) -> Oil:
     assumed: list[str] = []
     density = _density(written, assumed)
     title = f"oil of {nu40:.6g} mm^2/s at 40 degC, {nu100:.6g} at 100 degC"
-    return Oil(title, viscosity_index(nu40, nu100), nu40 * MM2, nu100 * MM2, density, (*assumed, *_uncorrected(nu100)))
+    return Oil(title, viscosity_index(nu40, nu100), nu40 / MM2, nu100 / MM2, density, (*assumed, *_uncorrected(nu100)))
 
 
 def _viscosity(written: Mapping[str, Any], key: str) -> float:
     """A kinematic viscosity of the table [mm^2/s].  Raises InputError."""
-    number = _quantity(written[key], f"oil: {key}", "m^2/s", "'46 mm^2/s'") / MM2
+    number = _quantity(written[key], f"oil: {key}", "m^2/s", "'46 mm^2/s'") * MM2
     if not THINNEST < number <= THICKEST:
         bare = "; a number is in m^2/s: write '46 mm^2/s'" if not isinstance(written[key], str) else ""
         raise InputError(

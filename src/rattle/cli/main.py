@@ -33,6 +33,8 @@ OTHERS = {
     ),
     "export": ("files", 270, "Write a saved result as CSV, or in the other result format."),
     "code": ("code", 280, "Write a mechanism without contacts as a C program."),
+    "fit": ("named", 284, "Play of a pin in its bush by a fit of ISO 286, such as H7/g6 of 8 mm."),
+    "oil": ("named", 286, "Viscosity of an oil over temperature, by its grade, such as ISO VG 46."),
     "kinds": (
         "files", 290, "Reference: every joint, driver, contact and load with its fields; units, functions, materials.",
     ),

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rattle import registry
+from rattle.description.read_play import hidden_names
 from rattle.description.reading import Table, section
 from rattle.description.tables import MODEL
 from rattle.errors import ModelError, Problem, suggest
@@ -71,6 +72,8 @@ def path_of(name: str, document: Table, remove: bool) -> Path:
     """
     table = section(document, "parameters")
     first, dot, _ = name.partition(".")
+    if name not in table and name in hidden_names(document):
+        return ("parameters", name)
     if name in table:
         whole = remove or not isinstance(table[name], Mapping)
         return ("parameters", name) if whole else ("parameters", name, "value")

@@ -9,11 +9,14 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import islice
-from typing import Any, TypeVar, overload
+from typing import Any, NamedTuple, TypeVar, overload
 
 import numpy as np
 
 from rattle import registry
+from rattle.catalogue.bearings import BearingPlay
+from rattle.catalogue.fits import Fit
+from rattle.catalogue.oils import Oil
 from rattle.interfaces.contacts import ClearanceKind, Corners, OneSidedKind
 from rattle.interfaces.fields import LawValues, pair
 from rattle.interfaces.joints import DriverKind, JointKind, Motor
@@ -121,6 +124,15 @@ class Choice:
         return as_number(self.values[key] if default is None else self.values.get(key, default))
 
 
+class OilAt(NamedTuple):
+    """An oil at a temperature [K], with its dynamic viscosity [Pa*s] and density [kg/m^3] there."""
+
+    oil: Oil
+    temperature: float
+    viscosity: float
+    density: float
+
+
 @dataclass(frozen=True)
 class OilFilm:
     """The oil in the clearance of a joint."""
@@ -131,6 +143,7 @@ class OilFilm:
     density: float  # [kg/m^3]
     specific_heat: float  # [J/(kg*K)]
     assumed: str = ""  # what the program has chosen, in words
+    oil: OilAt | None = None  # that the user has named
 
 
 @dataclass(frozen=True)
@@ -278,6 +291,7 @@ class Joint:
     wear: Wear | None = None
     corners: Corners = field(default_factory=dict)  # points of B that may touch a surface
     wears: WearLimit | None = None
+    named: Fit | BearingPlay | None = None  # what its play was written as
     radius: float = math.nan  # of its bush or pin [m]
     length: float = math.nan  # of the bearing along its pin [m]
     z: float = math.nan  # offset of its middle [m]

@@ -9,6 +9,7 @@ from dataclasses import replace
 from rattle import registry
 from rattle.description.model import Choice, Contact, OilFilm
 from rattle.description.read_fields import FieldReader
+from rattle.description.read_oil import read_oil
 from rattle.description.read_values import quoted
 from rattle.description.reading import Path, Table
 from rattle.description.tables import BUSH_RADIUS, FILM, OIL
@@ -43,6 +44,7 @@ def read_lubricated(
     and returns those that there are, given the keys that are used.
     """
     values, before = reader.values, len(reader.values.problems)
+    oil, table = read_oil(reader, table, path)
     law = registry.kinds("film").get(reader.field(FILM, "film", table, {}, path))
     if law is None:
         return None
@@ -64,7 +66,7 @@ def read_lubricated(
         return None
     film = OilFilm(
         Choice(law.name, chosen), read["boundary_film"], rough or read["boundary_film"] / 3.0, read["density"],
-        read["specific_heat"], assumed,
+        read["specific_heat"], assumed, oil,
     )  # fmt: skip
     left += tuple(f"dry.{key}" for key in contact.unused if not assumed)
     return replace(contact, model=kind.name, film=film, unused=left)

@@ -11,7 +11,7 @@ from rattle.description.read_values import Values, quoted
 from rattle.description.reading import Path, Table
 from rattle.description.tables import MATERIAL_OF_MODEL, SECTION_NUMBERS, SECTION_SHAPES, Form
 from rattle.errors import InputError, suggest
-from rattle.language.materials import MATERIALS, Material, material
+from rattle.language.materials import MATERIALS, OF_MODEL, Material, material
 
 OWN_NAMES = {"yield": "yield_strength"}  # of keys that are no names of fields
 
@@ -27,7 +27,7 @@ def read_materials(values: Values, document: Table) -> dict[str, Material]:
             _require_possible(values, read, path)
             known = {OWN_NAMES.get(key, key): number for key, number in read.items() if number is not None}
             if len(values.problems) == before:
-                values.materials[name] = Material(**known, source="of the model", name=name)
+                values.materials[name] = Material(**known, source=OF_MODEL, name=name)
             else:
                 values.broken_materials.add(name)
     return values.materials

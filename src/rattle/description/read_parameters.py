@@ -5,33 +5,37 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 
 from rattle.description.dependence import describe_cycle, in_order
 from rattle.description.model import Parameter, ValueTable, within_limits
 from rattle.description.read_fields import FieldReader
+from rattle.description.read_play import hidden_names, hidden_parameters
 from rattle.description.read_values import TooManyProblems, Values, expected, quoted
 from rattle.description.reading import Path, Table, section
 from rattle.description.tables import DISTRIBUTION, LIKELY, PARAMETER, TOLERANCES, VALUE
 from rattle.description.tables import DISTRIBUTIONS as DISTRIBUTIONS  # ensembles take them from here
 from rattle.errors import ModelError, Problem, suggest
 from rattle.language.expression import Node, Number
-from rattle.language.units import Dimension, QuantityError, as_difference, describe, parse_quantity, unit_name
+from rattle.language.units import LENGTH, Dimension, QuantityError, as_difference, describe, parse_quantity, unit_name
 
 
 def read_parameters(values: Values, document: Table) -> dict[str, Parameter]:
     """Read the table [parameters], written in any order; values [SI] and dimensions are stored in `values`."""
     table = values.table(document.get("parameters", {}), ("parameters",))
     written: dict[str, tuple[object, Path]] = {}
+    hidden = hidden_names(document)
     for name, entry in table.items():
         path: Path = ("parameters", name)
-        values.name(name, path)
+        if name not in hidden:
+            values.name(name, path)
         if not isinstance(entry, Mapping):
             written[name] = (entry, path)
             continue
         values.keys(entry, PARAMETER.fields, path)
         if "value" in entry:
             written[name] = (entry["value"], (*path, "value"))
-        else:
+        elif name not in hidden:
             values.wrong(path, VALUE.missing)
             values.broken.add(name)
     dependent: dict[str, Node] = {}
@@ -44,11 +48,33 @@ def read_parameters(values: Values, document: Table) -> dict[str, Parameter]:
         else:
             values.broken.add(name)
     _dependent(values, dependent, written)
+    named = dict(hidden_parameters(values, document)) if hidden else {}
+    for name, default in named.items():
+        if name not in values.constants:
+            values.set_constant(name, default.value, LENGTH)
     parameters: dict[str, Parameter] = {}
     for name in (name for name in table if name in values.constants):
         with values.at(("parameters", name)):
-            parameters[name] = _parameter(values, name, table[name])
+            entry = table[name]
+            if name in named and isinstance(entry, Mapping):
+                entry = {"value": named[name].value, **entry}
+            parameters[name] = _parameter(values, name, entry)
+    for name, default in named.items():
+        entry = parameters.get(name, Parameter(name, values.constants[name], "m"))
+        parameters[name] = replace(
+            entry, tol=default.tol if entry.tol is None else entry.tol, dist=entry.dist or default.dist,
+            description=entry.description or default.description,
+        )  # fmt: skip
     return parameters
+
+
+def with_values(document: Table, values: Mapping[str, float]) -> dict[str, object]:
+    """A document whose parameters have these values [SI]."""
+    table = dict(section(document, "parameters"))
+    for name, value in values.items():
+        entry = table.get(name)
+        table[name] = {**entry, "value": value} if isinstance(entry, Mapping) else value
+    return {**document, "parameters": table}
 
 
 def chosen_parameters(document: Table) -> list[str]:
@@ -58,7 +84,7 @@ def chosen_parameters(document: Table) -> list[str]:
         value = entry["value"] if isinstance(entry, Mapping) else entry
         if isinstance(read_quantity(values, value, ("parameters", name)), tuple):
             chosen.append(name)
-    return chosen
+    return [*chosen, *(name for name in hidden_names(document) if name not in chosen)]
 
 
 def values_where(document: Table, numbers: Mapping[str, float]) -> dict[str, float]:
@@ -82,12 +108,12 @@ def parameters_with(document: Table, changes: Mapping[str, Table], place: str) -
     """
     table = dict(section(document, "parameters"))
     for name, entries in changes.items():
-        entry = table[name]
+        entry = table.get(name, {})
         table[name] = {**(entry if isinstance(entry, Mapping) else {"value": entry}), **entries}
     values = Values()
     parameters: dict[str, Parameter] = {}
     with suppress(TooManyProblems):
-        parameters = read_parameters(values, {"parameters": table})
+        parameters = read_parameters(values, {"parameters": table, "joints": section(document, "joints")})
     if values.problems:
         wrong = [
             Problem((place, *problem.path[1:]), problem.message, problem.at_key, problem.column)

@@ -35,6 +35,7 @@ from rattle.description.read_contact import (
 from rattle.description.read_fields import MANY, FieldReader
 from rattle.description.read_friction import joint_friction, rolling_friction
 from rattle.description.read_plates import read_plate
+from rattle.description.read_play import read_play
 from rattle.description.read_values import Values, quoted
 from rattle.description.read_wear import kind_wears, read_limit, read_wear
 from rattle.description.reading import Path, Table
@@ -45,7 +46,7 @@ from rattle.interfaces.fields import Fields
 from rattle.interfaces.joints import DriverKind, JointKind
 from rattle.interfaces.loads import LoadKind
 from rattle.language.expression import Name, Node, Number, names, parse, replaced
-from rattle.language.recorded import as_number
+from rattle.language.recorded import as_number, bare
 from rattle.language.units import Dimension, dimension_of
 from rattle.registry import Field
 
@@ -92,6 +93,17 @@ def same_angle(joints: Iterable[Joint], a: str, b: str) -> list[str]:
                 reached[other] = [*reached[body], f"'{joint_name}'"]
                 waiting.append(other)
     return reached.get(b, []) if a != b else []
+
+
+def _with_bush(table: Table, radius: float) -> Table:
+    """A joint with the radius of its bush [m] in the table of its contact, where a fit says it and that does not."""
+    contact = table.get("contact")
+    if math.isnan(bare(radius)) or not isinstance(contact, Mapping) or "bush_radius" in contact:
+        return table
+    kind = registry.kinds("contact").get(str(contact.get("model")))
+    if kind is not None and not kind.leaf.contacts:
+        return table
+    return {**table, "contact": {**contact, "bush_radius": radius}}
 
 
 def _radius(kind: registry.Kind[JointKind], contact: Contact | None, friction: JointFriction | None) -> float:
@@ -207,7 +219,8 @@ class Parts(FieldReader):
         bearing = self._bearing_length(table, kind, own["length"], path)
         if "contact" in table:
             kind, fields = self._lifting(kind, fields, path)
-        clearance = own["clearance"]
+        play_read = read_play(self, name, table, named, kind_wears(kind), path)
+        clearance, table = play_read.clearance, _with_bush(table, play_read.radius)
         contact = self._contact(table, kind, fields, clearance, path)
         clearance = 0.0 if clearance is None else clearance
         if len(values.problems) == before:
@@ -232,7 +245,8 @@ class Parts(FieldReader):
         self.joints[name] = Joint(
             name, kind.name, a, b, fields, clearance, contact, dimensions, stop, friction, wear=wear, corners=corners,
             counts=not (friction is not None and kind.leaf.placing),
-            wears=wears, radius=radius, length=length, z=math.nan if own["z"] is None else own["z"],
+            wears=wears, named=play_read.title, radius=radius, length=length,
+            z=math.nan if own["z"] is None else own["z"],
         )  # fmt: skip
         if len(values.problems) > before:
             self.broken_joints.add(name)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
-from typing import overload
+from typing import Any, overload
 
 from rattle.description.model import Value, Vector
 from rattle.description.reading import Path, Place, Table, unforeseen_words
@@ -112,6 +112,7 @@ class Values:
         self.later_tables: set[str] = set()  # those that are read after the parameters
         self.materials: dict[str, Material] = {}  # of the model's own
         self.broken_materials: set[str] = set()  # whose definition has a problem
+        self.plays: dict[str, Any] = {}  # of joints by names of fits and bearings, see `read_play`; None: a problem
         self.local: dict[str, Node] = {}  # names of the field at hand, and what they stand for
 
     def wrong(self, path: Path, message: str, at_key: bool = False, column: int | None = None) -> None:

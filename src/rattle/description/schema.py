@@ -109,6 +109,7 @@ def joint_entry(kind: Kind[JointKind], keys: Form) -> Schema:
 def _may_have(joint: Kind[JointKind], key: str) -> bool:
     """True if a kind of joint may have one of the keys that joints have in common."""
     able = {
+        "bearing": kind_wears(joint),
         "clearance": not joint.leaf.bodies and not joint.leaf.touches, "contact": not joint.leaf.bodies,
         "wear": kind_wears(joint), "length": kind_wears(joint),
         "stop": registry.stop_of(joint.name) is not None, "friction": joint.leaf.rubs,

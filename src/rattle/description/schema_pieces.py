@@ -9,7 +9,15 @@ from typing import Any
 
 from rattle import registry
 from rattle.description.read_fields import geometries
-from rattle.description.tables import CONDUCTION, DUTY_CASE, MATERIAL, SECTION_NUMBERS, SECTION_SHAPES, Part
+from rattle.description.tables import (
+    CONDUCTION,
+    DISTRIBUTIONS,
+    DUTY_CASE,
+    MATERIAL,
+    SECTION_NUMBERS,
+    SECTION_SHAPES,
+    Part,
+)
 from rattle.registry import REQUIRED, Field, Kind
 
 Schema = dict[str, Any]
@@ -93,6 +101,7 @@ def _group(field: Field) -> Schema:
 RING = array(vector("m", "corner"), 3)
 PLAIN: Schema = {"type": ["number", "string"]}  # a number or a text
 SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
+    "bearing": lambda field: {"anyOf": [{"type": "string"}, {"type": "object"}], "description": field.meaning},
     "body": lambda field: {"type": "string", "pattern": NAME, "description": field.meaning, NAMES: "bodies"},
     "cases": lambda field: array(fields_of(DUTY_CASE.fields, DUTY_CASE.meaning), 1),
     "choice": lambda field: {"enum": [*field.choices, *([False, True] if field.flags else [])]},
@@ -100,6 +109,7 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "bodies": lambda field: connect({"type": "string", "description": "a body", NAMES: "bodies"}, field.meaning),
     "constant": lambda field: {"const": field.choices[0]},
     "ends": lambda field: connect(point(field.meaning)),
+    "distribution": lambda field: {"enum": list(DISTRIBUTIONS), "description": field.meaning},
     "each": lambda field: array(PLAIN, 2, 2),
     "file": lambda field: {"type": "string"},
     "flag": lambda field: {"type": "boolean"},
@@ -113,6 +123,7 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "material of a body": lambda field: {"type": "string", "description": field.meaning, NAMES: "materials"},
     "names": lambda field: array({"type": "string"}, 2, 2),
     "numbers": lambda field: array(PLAIN, field.fewest),
+    "oil": lambda field: {"anyOf": [{"type": "string"}, {"type": "object"}], "description": field.meaning},
     "pair": lambda field: vector(field.unit, field.meaning),
     "place": lambda field: {"type": "string", "description": 'a body, or a point of it: "body.point"', NAMES: "points"},
     "point": lambda field: point(field.meaning),

@@ -83,7 +83,7 @@ def contact_of(document: Table, joint: str) -> dict[str, object]:
     if joint not in joints:
         raise ModelError([Problem(("joints", str(joint)), f"is not there{suggest(str(joint), joints)}")])
     table = section(joints, joint)
-    if "clearance" not in table and "contact" not in table:
+    if "clearance" not in table and "bearing" not in table and "contact" not in table:
         raise ModelError([Problem(("joints", joint), "has no clearance, so no contact")])
     written = table.get("contact", DEFAULT_CONTACT)
     return {"model": written} if isinstance(written, str) else dict(section(table, "contact"))

@@ -245,6 +245,13 @@ CONTACT = Form(
 FILM = Field("", "law of the oil film", "finite", shape="film")
 OIL = Form(
     {
+        "oil": Field(
+            "",
+            'oil that says viscosity and density: "ISO VG 46", { vg, vi, density } or { nu40, nu100, density }',
+            None,
+            shape="oil",
+        ),
+        "temperature": Field("K", "of the oil", None),
         "film": FILM,
         "dry": Field(
             "",
@@ -351,10 +358,24 @@ JOINT_FRICTION = Field(
     None,
     shape="own friction",
 )
+CLEARANCE = Field("m", "radial clearance", None, least="not negative")
+PLAY = Form(
+    {
+        "fit": Field("", 'a fit of ISO 286, such as "H7/g6"', None, shape="text"),
+        "diameter": Field("m", "its nominal size", None, least="positive"),
+        "radial": Field("m", "radial play, where no fit says it", None, least="not negative"),
+        "bush_material": Field("", "of the bush, for play over temperature", None, shape="material of a body"),
+        "pin_material": Field("", "of the pin, for play over temperature", None, shape="material of a body"),
+        "temperature": Field("K", "of both; play is stated at 20 degC", None),
+        "dist": Field("", "distribution of both diameters", None, shape="distribution"),
+    },
+    "play by a fit { fit, diameter }, or { radial }, with what it changes by heat",
+)
 JOINT = Form(
     {
         "connect": ENDS,
-        "clearance": Field("m", "radial clearance", None, least="not negative"),
+        "clearance": Either((CLEARANCE, PLAY), "radial clearance [m], a number or by a fit"),
+        "bearing": Field("", 'a rolling bearing that says the clearance, such as "6208 C3"', None, shape="bearing"),
         "contact": Field("", "contact model of the clearance", None, shape="contact"),
         "stop": Field("", "one-sided ends of its coordinate", None, shape="stop"),
         "friction": JOINT_FRICTION,

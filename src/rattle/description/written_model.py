@@ -15,6 +15,7 @@ from rattle.description import file as model_file
 from rattle.description.builder import Building
 from rattle.description.changes import ENTRIES, Change, copied, path_of, put, through_points
 from rattle.description.model import Model, Parameter
+from rattle.description.read_play import hidden_names
 from rattle.description.read_tables import with_files
 from rattle.description.reading import Table
 from rattle.description.wear_profile import with_profiles, written
@@ -88,6 +89,8 @@ class WrittenModel(Building):
     def _parameter(self, name: str) -> Any:
         """A parameter as it is written.  Raises ModelError for an unknown name."""
         written = self._document.get("parameters", {})
+        if name not in written and name in hidden_names(self._document):
+            return {}
         if name not in written:
             raise ModelError([Problem(("parameters", name), f"no such parameter{suggest(name, written)}")])
         return written[name]
@@ -309,4 +312,4 @@ def _touches(table: Mapping[str, object]) -> bool:
 
 def _has_contact(joint: Table) -> bool:
     """True of a joint as it is written with clearance, or one-sided."""
-    return "clearance" in joint or "contact" in joint
+    return "clearance" in joint or "bearing" in joint or "contact" in joint

@@ -13,6 +13,7 @@ SHIGLEY = "Shigley's Mechanical Engineering Design, table A-5"
 TYPICAL = "typical data-sheet value; differs by grade"
 POLYMER = "typical data-sheet value at 23 C, dry; differs by grade, falls with temperature"
 HANDBOOK = "handbook, typical"  # density, expansion, conductivity: some per cent for metals, 30 % for plastics
+OF_MODEL = "of the model"  # defined there by its user
 NO_NUMBER = math.nan
 
 

@@ -61,7 +61,7 @@ def _dependent(document: Tree, candidates: Sequence[str]) -> dict[str, str]:
     """Parameters that are written as expressions of others, and that they are."""
     reasons = {}
     for name in candidates:
-        entry = document["parameters"][name]
+        entry = document.get("parameters", {}).get(name, 0.0)  # those of fits and bearings are not written
         text = entry["value"] if isinstance(entry, Mapping) else entry
         if isinstance(text, str) and parse_quantity(text) is None:
             used = sorted(names(parse(text, tables=document.get("tables", {}))))

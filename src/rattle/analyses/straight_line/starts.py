@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple
@@ -16,6 +16,7 @@ from rattle.analyses.dynamics.run import start_state
 from rattle.analyses.model_form import FORM_PAYS, ModelForm
 from rattle.analyses.straight_line.recorded_model import RecordedModel, read_at
 from rattle.description.model import Model
+from rattle.description.read_parameters import with_values
 from rattle.description.reader import read
 from rattle.equations.system import System
 from rattle.errors import AssemblyError, ModelError, TraceError
@@ -116,10 +117,7 @@ class Starts:
     @cached_property
     def _form(self) -> ModelForm | None:
         """The form of the model, with the chosen parameters as numbers; None if it is not known."""
-        table = dict(self.model.document["parameters"])
-        for name, value in self.model.parameters.items():
-            table[name] = {**table[name], "value": value} if isinstance(table[name], Mapping) else value
-        document = {**self.model.document, "parameters": table}
+        document = with_values(self.model.document, self.model.parameters)
         try:
             return ModelForm(document, self._beside(read(document)), list(self.model.parameters))
         except (ModelError, TraceError):

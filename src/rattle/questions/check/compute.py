@@ -16,6 +16,7 @@ from rattle.analyses.law_check import law_faults
 from rattle.analyses.timetable import jump_lines, timetable
 from rattle.analyses.travel import out_of_place, stop_lines, with_ends, with_stops
 from rattle.description.model import Joint, Model, is_ground
+from rattle.description.named_figures import named_figures
 from rattle.equations.closure import close_position, close_rate, open_by
 from rattle.equations.compliant import locate_contacts
 from rattle.equations.contact_table import contact_labels
@@ -63,6 +64,7 @@ class Check:
     plates: tuple[str, ...] = ()  # what follows from their polygons
     massless: tuple[str, ...] = ()  # bodies without mass or inertia
     moving_ground: tuple[str, ...] = ()  # points of the ground that are functions of time
+    named: tuple[str, ...] = ()  # figures of fits, bearings, oils and materials by name, with their sources
     parameters: tuple[str, ...] = ()  # those with a label or a description: what the model file says of them
 
     def __repr__(self) -> str:
@@ -79,6 +81,7 @@ class Check:
             more = f" and {len(self.freedoms) - MOST_SHOWN} more" if len(self.freedoms) > MOST_SHOWN else ""
             lines.append(f"free: {', '.join(self.freedoms[:MOST_SHOWN])}{more}")
         lines += [*_listed("parameter", self.parameters), *_listed("plate", self.plates)]
+        lines += _listed("by name", self.named)
         lines += [f"without mass or inertia: {', '.join(self.massless)}"] if self.massless else []
         lines += [f"moves over time: {', '.join(self.moving_ground)}"] if self.moving_ground else []
         lines += _listed("loop", self.loops[:MOST_SHOWN])
@@ -146,6 +149,7 @@ def check(system: System, start: Assembled, written: Mapping[str, tuple[float, s
         start=(*start.changes, *out_of_place(system, np.array([start.t]), start.q.reshape(1, -1, 3))),
         residual=start.residual,
         plates=tuple(_plates(model)),
+        named=tuple(named_figures(model)),
         parameters=tuple(_parameters(model, written)),
         massless=tuple(
             name for name in model.moving_bodies if 0.0 in (model.bodies[name].mass, model.bodies[name].inertia)

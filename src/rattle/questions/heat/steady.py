@@ -153,10 +153,8 @@ class _Search:
         if not self.low <= aim <= self.high:
             slope[k] = 0.0
             aim = 0.5 * (self.low + self.high) if math.isfinite(self.low) else plain[k]
-        loss = balance.losses.copy()
-        temperatures: Array = self.ways.temperatures(
-            loss + slope * (aim - balance.at), np.zeros(len(slope)), balance.at
-        )
+        losses = balance.losses + slope * (aim - balance.at)
+        temperatures: Array = self.ways.temperatures(losses, np.zeros(len(slope)), balance.at)
         temperatures[k] = aim
         return temperatures
 

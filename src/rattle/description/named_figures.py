@@ -1,0 +1,60 @@
+"""What names in a model stand for: figures of fits, bearings, oils and materials, each with its source."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from rattle.catalogue.bearings import BearingPlay
+from rattle.description.model import Model
+from rattle.language.materials import HANDBOOK, OF_MODEL, Material
+
+CELSIUS = 273.15  # 0 degC [K]
+
+
+def named_figures(model: Model) -> list[str]:
+    """A line for everything that was written by a name: where, figures, source."""
+    return [*_plays(model), *_oils(model), *_materials(model)]
+
+
+def _plays(model: Model) -> Iterator[str]:
+    for name, joint in model.joints.items():
+        named = joint.named
+        if isinstance(named, BearingPlay):
+            play = f"radial play {_um(named.least / 2)} to {_um(named.largest / 2)} um, before mounting"
+            yield f"{name}, {named.title}: {play} ({named.source})"
+        elif named is not None:
+            yield f"{name}, {named.words} ({named.source})"
+
+
+def _um(length: float) -> str:
+    return f"{1e6 * length:.6g}"
+
+
+def _oils(model: Model) -> Iterator[str]:
+    for name, joint in model.joints.items():
+        film = joint.contact.film if joint.contact is not None else None
+        if film is not None and film.oil is not None:
+            oil, warm = film.oil.oil, film.oil.temperature - CELSIUS
+            figures = f"{1e3 * film.oil.viscosity:.4g} mPa*s, {film.oil.density:.4g} kg/m^3"
+            assumed = f"; assumed: {'; '.join(oil.assumed)}" if oil.assumed else ""
+            yield f"{name}, {oil.title} at {warm:.4g} degC: {figures} (ISO 3448, ASTM D341, D2270{assumed})"
+
+
+def _materials(model: Model) -> Iterator[str]:
+    for name, body in model.bodies.items():
+        material = body.beam.material if body.beam is not None else None
+        if material is not None:
+            yield f"{name}, {material.name}: {_constants(material)} ({_source(material)})"
+
+
+def _constants(material: Material) -> str:
+    figures = [f"E {material.E / 1e9:.4g} GPa", f"nu {material.nu:.4g}"]
+    figures += [f"density {material.density:.4g} kg/m^3"] if not math.isnan(material.density) else []
+    figures += [f"yield {material.yield_strength / 1e6:.4g} MPa"] if not math.isnan(material.yield_strength) else []
+    return ", ".join(figures)
+
+
+def _source(material: Material) -> str:
+    thermal = "" if math.isnan(material.density) or material.source == OF_MODEL else f"; density: {HANDBOOK}"
+    return material.source + thermal

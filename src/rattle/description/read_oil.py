@@ -1,0 +1,62 @@
+"""The oil of a lubricated contact by its name and temperature: viscosity and density, in place of their numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from rattle.catalogue.oils import AT_15, AT_40, AT_100, COLDEST, EXPANSION, HOTTEST, MM2, SHIFT, Oil, oil, temperature
+from rattle.description.model import OilAt
+from rattle.description.read_fields import FieldReader
+from rattle.description.reading import Path, Table
+from rattle.description.tables import OIL
+from rattle.errors import InputError
+from rattle.language.expression import parse, value
+from rattle.language.recorded import bare
+
+OIL_KEYS = ("oil", "temperature")
+# the law as `Oil.viscosity` has it, so that a temperature that is recorded keeps its record
+KINEMATIC = "unit*(10**(10**(hot - slope*log(T/at_100)/log(10))) - shift)"
+DENSITY = "density15*(1 - expansion*(T - at_15))"
+
+
+def read_oil(reader: FieldReader, table: Table, path: Path) -> tuple[OilAt | None, Table]:
+    """The oil of a lubricated contact, None if it is not named or after a problem; and the table with its numbers."""
+    values, before = reader.values, len(reader.values.problems)
+    if "oil" not in table:
+        if "temperature" in table:
+            why = 'is that of an oil: name it, oil = "ISO VG 46", in place of its viscosity'
+            values.wrong((*path, "temperature"), why, at_key=True)
+        return None, table
+    for key in ("viscosity", "density"):
+        if key in table:
+            values.wrong((*path, key), f"the oil says its {key}; leave one of them out", at_key=True)
+    if "temperature" not in table:
+        values.wrong(path, 'oil needs temperature: viscosity follows from it, such as "60 degC"')
+    read = reader.read(OIL, {key: table[key] for key in ("temperature",) if key in table}, path)
+    warm, known = read["temperature"], _oil(reader, table["oil"], (*path, "oil"))
+    rest = {key: part for key, part in table.items() if key not in OIL_KEYS}
+    if known is None or len(values.problems) > before or math.isnan(bare(warm)):
+        return None, {**rest, "viscosity": 1.0}  # told already: nothing more of it
+    if not (warm >= COLDEST and warm <= HOTTEST):
+        try:
+            temperature(bare(warm))
+        except InputError as error:
+            values.wrong((*path, "temperature"), str(error))
+        return None, {**rest, "viscosity": 1.0}
+    hot, cold = (math.log10(math.log10(nu / MM2 + SHIFT)) for nu in (known.nu100, known.nu40))
+    names = {
+        "T": warm, "hot": hot, "slope": (cold - hot) / math.log10(AT_100 / AT_40), "at_100": AT_100, "shift": SHIFT,
+        "unit": MM2, "density15": known.density15, "expansion": EXPANSION, "at_15": AT_15,
+    }  # fmt: skip
+    density = value(parse(DENSITY), names)
+    viscosity = value(parse(f"({KINEMATIC})*({DENSITY})"), names)
+    return OilAt(known, warm, viscosity, density), {**rest, "viscosity": viscosity, "density": density}
+
+
+def _oil(reader: FieldReader, written: object, path: Path) -> Oil | None:
+    try:
+        return oil(dict(written) if isinstance(written, Mapping) else written)  # type: ignore[arg-type]  # it refuses
+    except InputError as error:
+        reader.values.wrong(path, str(error))
+        return None
