@@ -92,7 +92,11 @@ class _Search:
         try:
             return warmed(self.m, self.joints, temperatures)
         except ModelError as error:
-            raise SolverError(f"no play left at {self.ways.ambient - FREEZING:.1f} degC: {error}", None) from None
+            path = error.problems[0].path
+            if path[:1] + path[2:3] != ("joints", "clearance"):
+                raise
+            warm = temperatures[self.ways.joints.index(str(path[1]))] - FREEZING
+            raise SolverError(f"{path[1]} seizes: no play left at {warm:.1f} degC", None) from None
 
     def next(self, balance: _Balance) -> tuple[Array, Array]:
         """Temperatures (n,) [K] that follow from a run, and the slopes (n,) [W/K] along which losses were followed."""
