@@ -5,7 +5,8 @@ slope, by a secant through the last two runs:
 
     (G - diag s) (T - T_air) = P - s (T_0 - T_air)
 
-One joint that depends on temperature is bracketed besides.  Of several ones falling losses alone are followed, no
+One joint that depends on temperature is bracketed besides, and where it loses less the warmer it is, the logarithm of
+its loss is followed, which is nearly straight.  Of several ones falling losses alone are followed, no
 steeper than oil and play make them, and steps that turn back are halved.  Where more than one state is steady, as with
 play that closes, it is the coldest one that machines reach when they warm up.
 """
@@ -17,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from rattle.catalogue.oils import COLDEST, HOTTEST
 from rattle.errors import InputError, ModelError, SolverError
@@ -149,7 +151,9 @@ class _Search:
         unit[k] = 1.0
         resistance = float(self.ways.temperatures(unit, np.zeros(len(slope)), balance.at)[k]) - self.ways.ambient
         steepness = 1.0 - slope[k] * resistance  # of what is lacking, ahead/T
-        if steepness >= FLATTEST:
+        if slope[k] < 0.0 and balance.losses[k] > 0.0:
+            aim = now + self._along_oil(balance, slope, k, ahead, resistance)
+        elif steepness >= FLATTEST:
             aim = now + ahead / steepness
         else:
             slope[k] = 0.0
@@ -161,6 +165,23 @@ class _Search:
         temperatures: Array = self.ways.temperatures(losses, np.zeros(len(slope)), balance.at)
         temperatures[k] = aim
         return temperatures
+
+    def _along_oil(self, balance: _Balance, slope: Array, k: int, ahead: float, resistance: float) -> float:
+        """The step [K] to where losses that fall as exp(-b T) flow off: nearly so do oils, whose b becomes less.
+
+        slope: of joint k it becomes that of the chord.
+        """
+        loss = float(balance.losses[k])
+        rate = -float(slope[k]) / loss
+        if self.last is not None and self.last.losses[k] > 0.0:
+            rate = math.log(self.last.losses[k] / loss) / float(balance.at[k] - self.last.at[k])
+
+        def lacking(step: float) -> float:
+            return ahead + resistance * loss * math.expm1(-rate * step) - step
+
+        step = float(brentq(lacking, min(0.0, ahead), max(0.0, ahead))) if ahead else 0.0
+        slope[k] = loss * math.expm1(-rate * step) / step if step else slope[k]
+        return step
 
     def _damped(self, now: Array, aim: Array) -> Array:
         step = aim - now
