@@ -37,12 +37,12 @@ def heat(
     between joints by conductances that have to be known.  Oil and play are those at the temperature of their joint,
     found by repeated runs.  What is left out is as in the table [heat] of the model.
 
-    ambient: temperature of the air, "20 degC"; a number is kelvin.  cooling: {"pin": "2 W/K"}, to the air.  conduction:
-    {("pin", "slider"): "0.5 W/K"}, between joints.  t_end: end of the runs [s] (default: as in the model).
+    ambient: temperature of the air, "20 degC"; a number is kelvin.  cooling: to the air, {"pin": "2 W/K"}.
+    conduction: between joints, {("pin", "slider"): "0.5 W/K"}.  t_end: end of the runs [s] (default: the model's).
     `h.temperature["pin"]` [K], `h.loss["pin"]` [W], `h.iterations` runs, `h.mechanism` with these temperatures,
     `h.table` [degC], `h.plot()`, `h.remarks`.  Losses are those of `r.power()`.
-    Raises InputError for heat that cannot leave, unknown joints and wrong units; SolverError where a joint seizes, oil
-    leaves -30 ... 200 degC, or no steady temperatures are reached.
+    Raises InputError for heat that cannot leave, unknown joints and wrong units; SolverError where a joint seizes,
+    oil leaves -30 ... 200 degC, or no steady temperatures are reached.
 
     Source: docs/heat-and-life.md.
     """
