@@ -379,3 +379,15 @@ def test_a_body_is_turned_in_a_model_whose_table_lies_beside_it(tmp_path):
     text = fourbar().sketch.text + '[tables.push]\nfile = "push.csv"\n'
     made = act(drawn(text, file), {"act": "type", "chosen": "body bar1", "field": "Angle", "text": "93 deg"}, file)
     assert made.sketch.places["bar1"][2] == pytest.approx(math.radians(93), abs=1e-9)
+
+
+def test_a_body_whose_joint_goes_with_its_point_stays_where_it_is():
+    sheet = Sheet(
+        "format = 1\n[ground.points]\nO = [0.3, 0.2]\n"
+        "[bodies.b]\npoints = { P = [0, 0], Q = [0.05, 0.02] }\nmass = 1\ninertia = 0.01\n"
+        '[joints.J]\ntype = "revolute"\nconnect = ["ground.O", "b.P"]\n'
+    )
+    stands = sheet.place("b.Q")
+    sheet.do("delete", chosen="point b.P")
+    assert sheet.place("b.Q") == pytest.approx(stands, abs=1e-12)
+    assert sheet.words == "deleted b.P, with J"

@@ -98,6 +98,33 @@ def test_every_key_of_every_example_is_offered_where_it_stands(pieces):
         assert pieces.evaluate(check, path.read_text(encoding="utf-8")) == []
 
 
+FITTED = """
+[materials.mine]
+E = 1e11
+[joints.O]
+type = "revolute"
+clearance = { fit = "", bush_material = "" }
+bearing = ""
+contact = { model = "lubricated", oil = "" }
+"""
+
+
+def test_fits_bearings_oils_and_materials_are_offered_by_name(pieces):
+    offered = """([text, path]) => { const { root } = outline(text, 0);
+      return entries.values(root, path).map((value) => value.label); }"""
+    by_name = {
+        ("joints", "O", "clearance", "fit"): {"H7/g6", "H7/h6"},
+        ("joints", "O", "clearance", "bush_material"): {"mine", "bronze", "steel"},
+        ("joints", "O", "bearing"): {"6208", "6208 C3"},
+        ("joints", "O", "contact", "oil"): {"ISO VG 46", "ISO VG 100"},
+    }
+    for path, some in by_name.items():
+        labels = pieces.evaluate(offered, [FITTED, list(path)])
+        assert some <= set(labels), path
+    for name in pieces.evaluate(offered, [FITTED, ["joints", "O", "clearance", "fit"]]):
+        assert rt.fit(name, "8 mm").radial > 0.0
+
+
 def test_texts_that_are_cut_or_mixed_are_read_to_their_end(pieces):
     draw = random.Random(25)
     signs = ["[", "]", "{", "}", '"', "'", "=", ".", ",", "\n", "#", '"""', " ", "__proto__", "a"]

@@ -202,3 +202,24 @@ def test_nothing_is_held_without_a_grab(tmp_path):
 
 def test_a_text_without_bodies_keeps_its_other_faults():
     assert check({"text": "format = 1\nnosuch = 2\n", "file": ""})["problems"][0]["where"] == "nosuch"
+
+
+def test_an_act_under_way_when_another_model_is_opened_does_nothing_to_that(session):
+    waiting = []
+    session.desk._later = lambda run, then: waiting.append((run, then))
+    session.act("ground", at={"at": [0.02, 0.01]})
+    session.hear("act", number=901, act="ground", at={"at": [0.04, 0.01]})
+    session.hear("new")
+    fresh = session.text
+    session.hear("act", number=902, act="ground", at={"at": [0.06, 0.01]}, opened=0)
+    session.hear("text", text="# of the model before", number=7, opened=0)
+    while waiting:
+        run, then = waiting.pop(0)
+        then(run())
+    assert session.text == fresh
+    assert session.last("sketch")["heard"] == 7
+    session.hear("act", number=903, act="ground", at={"at": [0.06, 0.01]}, opened=1)
+    while waiting:
+        run, then = waiting.pop(0)
+        then(run())
+    assert "O1 = [0.06, 0.01]" in session.text

@@ -284,7 +284,7 @@ def test_half_a_character_in_the_text_does_not_end_the_session(studio):
     spoken.send(json.dumps({"do": "text", "text": "name = '\ud800'"}).encode())
     spoken.send(json.dumps({"do": "hello"}).encode())
     heard = [spoken.hear() for _ in range(3)]
-    assert {"kind": "text", "text": "name = '\ud800'", "fresh": False, "act": 0} in heard
+    assert {"kind": "text", "text": "name = '\ud800'", "fresh": False, "act": 0, "heard": 0} in heard
 
 
 @pytest.mark.parametrize("nonsense", [b"", b"{", b"[" * 100_000, b'"text"', b"[1]", b'{"do": 1}', b'{"do": "no-such"}'])

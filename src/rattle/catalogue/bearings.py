@@ -23,6 +23,8 @@ KINDS = {BALL: "deep_groove_ball", ROLLER: "cylindrical_roller"}  # tables by th
 WORDS = {BALL: "deep-groove ball bearing", ROLLER: "cylindrical roller bearing"}
 ROLLER_SOURCE = "maker's table of radial internal clearance, read in one place"
 KEYS = ("bore", "group", "kind")
+USUAL = ("608", "6000", "6001", "6002", "6003", "6004", "6005", "6200", "6201", "6202", "6203", "6204", "6205", "6206",
+         "6208", "6208 C3", "6304", "6305", "6306")  # fmt: skip
 FIRST_BORES = {"00": 10.0, "01": 12.0, "02": 15.0, "03": 17.0}  # [mm] by the last digits; from 04 on 5 mm times them
 STEP = 5.0  # [mm]
 LONGEST = 40  # characters of a text that is quoted

@@ -23,6 +23,10 @@ BEYOND = ("j", "k", "m", "n", "p", "r", "s", "t", "u", "v", "x", "y", "z", "za",
 DIGITS = 15  # of a deviation [m] behind the point: tables have 1e-7 m, beyond is rounding of binary numbers
 LONGEST = 40  # characters of a text that is quoted
 EXPECTED = "expected hole and shaft, such as 'H7/g6'"
+USUAL = (  # fits that drawings use most, from little play to much
+    "H6/h5", "H7/h6", "H6/g5", "H7/g6", "G7/h6", "H7/f7", "H8/f7", "F8/h6", "H8/e8", "E9/h9", "H8/d9", "H9/d9",
+    "D10/h9", "H11/c11",
+)  # fmt: skip
 _HALF = re.compile(r"([A-Za-z]+)([0-9]+)")
 
 

@@ -53,9 +53,15 @@ class Oil:
 
     def kinematic(self, T: str | float) -> float:
         """Kinematic viscosity [m^2/s] at a temperature.  Raises InputError outside -30 ... 200 degC."""
-        kelvin, high, low = temperature(T), _law(self.nu40 * MM2), _law(self.nu100 * MM2)
-        slope = (high - low) / math.log10(AT_100 / AT_40)
-        return float(10.0**10.0 ** (high - slope * math.log10(kelvin / AT_40)) - SHIFT) / MM2
+        a, b = self.law
+        return float(10.0**10.0 ** (a - b * math.log10(temperature(T))) - SHIFT) / MM2
+
+    @property
+    def law(self) -> tuple[float, float]:
+        """A and B of ASTM D341: log10 log10(nu + 0.7) = A - B log10 T, nu in mm^2/s, T in K."""
+        high, low = _law(self.nu40 * MM2), _law(self.nu100 * MM2)
+        b = (high - low) / math.log10(AT_100 / AT_40)
+        return high + b * math.log10(AT_40), b
 
     def density(self, T: str | float) -> float:
         """Density [kg/m^3] at a temperature.  Raises InputError outside -30 ... 200 degC."""
@@ -64,6 +70,11 @@ class Oil:
     def viscosity(self, T: str | float) -> float:
         """Dynamic viscosity [Pa s] at a temperature.  Raises InputError outside -30 ... 200 degC."""
         return self.kinematic(T) * self.density(T)
+
+
+def grades() -> list[str]:
+    """Names of all oils by grade: "ISO VG 46"."""
+    return [f"ISO VG {float(row['grade']):g}" for row in rows("iso3448_grades")]
 
 
 def oil(written: str | Mapping[str, Any]) -> Oil:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from rattle.catalogue.oils import AT_15, AT_40, AT_100, COLDEST, EXPANSION, HOTTEST, MM2, SHIFT, Oil, oil, temperature
+from rattle.catalogue.oils import AT_15, COLDEST, EXPANSION, HOTTEST, MM2, SHIFT, Oil, oil, temperature
 from rattle.description.model import OilAt
 from rattle.description.read_fields import FieldReader
 from rattle.description.reading import Path, Table
@@ -16,7 +16,7 @@ from rattle.language.recorded import bare
 
 OIL_KEYS = ("oil", "temperature")
 # the law as `Oil.viscosity` has it, so that a temperature that is recorded keeps its record
-KINEMATIC = "unit*(10**(10**(hot - slope*log(T/at_100)/log(10))) - shift)"
+KINEMATIC = "(10**(10**(A - B*log(T)/log(10))) - shift)/mm2"
 DENSITY = "density15*(1 - expansion*(T - at_15))"
 
 
@@ -44,10 +44,10 @@ def read_oil(reader: FieldReader, table: Table, path: Path) -> tuple[OilAt | Non
         except InputError as error:
             values.wrong((*path, "temperature"), str(error))
         return None, {**rest, "viscosity": 1.0}
-    hot, cold = (math.log10(math.log10(nu / MM2 + SHIFT)) for nu in (known.nu100, known.nu40))
+    a, b = known.law
     names = {
-        "T": warm, "hot": hot, "slope": (cold - hot) / math.log10(AT_100 / AT_40), "at_100": AT_100, "shift": SHIFT,
-        "unit": MM2, "density15": known.density15, "expansion": EXPANSION, "at_15": AT_15,
+        "T": warm, "A": a, "B": b, "shift": SHIFT, "mm2": MM2, "density15": known.density15, "expansion": EXPANSION,
+        "at_15": AT_15,
     }  # fmt: skip
     density = value(parse(DENSITY), names)
     viscosity = value(parse(f"({KINEMATIC})*({DENSITY})"), names)
@@ -58,5 +58,5 @@ def _oil(reader: FieldReader, written: object, path: Path) -> Oil | None:
     try:
         return oil(dict(written) if isinstance(written, Mapping) else written)  # type: ignore[arg-type]  # it refuses
     except InputError as error:
-        reader.values.wrong(path, str(error))
+        reader.values.wrong(path, str(error).removeprefix("oil: "))
         return None

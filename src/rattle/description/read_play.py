@@ -112,7 +112,7 @@ def _of_bearing(values: Values, joint: str, written: object, path: Path) -> Iter
         rolling = bearing(written)  # type: ignore[arg-type]  # which says what it expects
     except InputError as error:
         values.broken.add(f"{joint}.play")
-        values.wrong(path, str(error))
+        values.wrong(path, str(error).removeprefix("bearing: "))
         return
     values.plays[joint] = NamedPlay(rolling, rolling.bore)
     yield f"{joint}.play", Hidden(rolling.radial, rolling.tol, "", f"radial play of {rolling.title}, before mounting")

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from rattle import registry
+from rattle.catalogue import bearings, oils
 from rattle.description.read_fields import geometries
 from rattle.description.tables import (
     CONDUCTION,
@@ -18,6 +19,7 @@ from rattle.description.tables import (
     SECTION_SHAPES,
     Part,
 )
+from rattle.language.materials import MATERIALS
 from rattle.registry import REQUIRED, Field, Kind
 
 Schema = dict[str, Any]
@@ -77,7 +79,16 @@ def array(entry: Schema, fewest: int = 0, most: int = 0) -> Schema:
 
 
 def _material(field: Field) -> Schema:
-    return {"anyOf": [{"type": "string"}, fields_of(MATERIAL.fields)]}
+    return {"anyOf": [_material_by_name(), fields_of(MATERIAL.fields)]}
+
+
+def _material_by_name() -> Schema:
+    return {"type": "string", NAMES: "materials", "examples": list(MATERIALS)}
+
+
+def _by_name(usual: Iterable[str], field: Field) -> Schema:
+    """A name, some of which are told, or a table."""
+    return {"anyOf": [{"type": "string", "examples": list(usual)}, {"type": "object"}], "description": field.meaning}
 
 
 def _section(field: Field) -> Schema:
@@ -101,7 +112,7 @@ def _group(field: Field) -> Schema:
 RING = array(vector("m", "corner"), 3)
 PLAIN: Schema = {"type": ["number", "string"]}  # a number or a text
 SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
-    "bearing": lambda field: {"anyOf": [{"type": "string"}, {"type": "object"}], "description": field.meaning},
+    "bearing": lambda field: _by_name(bearings.USUAL, field),
     "body": lambda field: {"type": "string", "pattern": NAME, "description": field.meaning, NAMES: "bodies"},
     "cases": lambda field: array(fields_of(DUTY_CASE.fields, DUTY_CASE.meaning), 1),
     "choice": lambda field: {"enum": [*field.choices, *([False, True] if field.flags else [])]},
@@ -120,10 +131,10 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "labels": lambda field: array({"type": "string"}, field.fewest),
     "line": lambda field: array(array(PLAIN, 2, 2), 2),
     "material": _material,
-    "material of a body": lambda field: {"type": "string", "description": field.meaning, NAMES: "materials"},
+    "material of a body": lambda field: {**_material_by_name(), "description": field.meaning},
     "names": lambda field: array({"type": "string"}, 2, 2),
     "numbers": lambda field: array(PLAIN, field.fewest),
-    "oil": lambda field: {"anyOf": [{"type": "string"}, {"type": "object"}], "description": field.meaning},
+    "oil": lambda field: _by_name(oils.grades(), field),
     "pair": lambda field: vector(field.unit, field.meaning),
     "place": lambda field: {"type": "string", "description": 'a body, or a point of it: "body.point"', NAMES: "points"},
     "point": lambda field: point(field.meaning),
@@ -135,7 +146,9 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "stepper": _steppers,
     "table": lambda field: {"type": "object"},
     "text": lambda field: (
-        {"type": "string", "description": field.meaning} | ({"maxLength": field.longest} if field.longest else {})
+        {"type": "string", "description": field.meaning}
+        | ({"maxLength": field.longest} if field.longest else {})
+        | ({"examples": list(field.choices)} if field.choices else {})
     ),
     "texts": lambda field: array({"type": "string"}, 2, 2),
     "title": lambda field: {"type": "string"},

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from rattle.catalogue import fits
 from rattle.registry import Field
 
 DISTRIBUTIONS = ("uniform", "normal", "triangular")
@@ -361,7 +362,7 @@ JOINT_FRICTION = Field(
 CLEARANCE = Field("m", "radial clearance", None, least="not negative")
 PLAY = Form(
     {
-        "fit": Field("", 'a fit of ISO 286, such as "H7/g6"', None, shape="text"),
+        "fit": Field("", 'a fit of ISO 286, such as "H7/g6"', None, shape="text", choices=fits.USUAL),
         "diameter": Field("m", "its nominal size", None, least="positive"),
         "radial": Field("m", "radial play, where no fit says it", None, least="not negative"),
         "bush_material": Field("", "of the bush, for play over temperature", None, shape="material of a body"),

@@ -29,6 +29,7 @@ from rattle.mechanism import Mechanism
 PINS = ("revolute", "fixed")  # joints whose two points are one place
 OPEN = 1e-6  # share of the size of the drawing from which on joints that are apart are told
 SHUT = 1e-9  # share of the size up to which joints count as closed
+POINT = 1e-12  # extent below which a drawing is one place [m], and share of how far away it is
 ROUNDS = 60  # of Newton's method
 STAND_IN = "nothing"  # a body that a text without bodies is given, so that it can be read
 NEARNESS = 1e-6  # weight of the change of a place beside what is open, where joints cannot be closed
@@ -104,9 +105,10 @@ class Drawn:
 
     @cached_property
     def size(self) -> float:
-        """Largest extent of the drawing [m]; 1 where there is none."""
+        """Largest extent of the drawing [m]; 1 where there is none, or rounding alone."""
         spots = np.array(list(self.points.values()) or [(0.0, 0.0)])
-        return float(np.ptp(spots, axis=0).max(initial=0.0)) or 1.0
+        size = float(np.ptp(spots, axis=0).max(initial=0.0))
+        return size if size > POINT * (1.0 + float(np.abs(spots).max())) else 1.0
 
     @cached_property
     def pins(self) -> list[Pin]:

@@ -13,14 +13,15 @@ from rattle.description.switch_contact import contact_of, recontact
 from rattle.errors import InputError
 from rattle.sketch.closing import closed_near, closing_range
 from rattle.sketch.drawn import PINS, Drawn, Spot
-from rattle.sketch.expressions import rate_of, with_rate
-from rattle.sketch.moving import carry
+from rattle.sketch.expressions import rate_of, two_digits, with_rate
+from rattle.sketch.moving import carry, is_at
 from rattle.sketch.numbers import degrees, length, plain, typed_number
 from rattle.sketch.removing import TABLES, rename
 from rattle.sketch.revision import Drawing, Revision, parameter_path
 
 CONTACTS = ("impact", "massless-link", "hertz")  # offered first beside a play
 
+BLOCK = (0.12, 0.07)  # length and height of a new block with play, as shares of the size of the drawing
 
 SHOWN = 1e-7  # by which an angle that is shown may be off [rad]
 STRAIGHT = 1e-12  # relative angle of welded bodies that is none [rad]
@@ -259,7 +260,10 @@ def _into_point(revision: Revision, name: str, field: str, text: str) -> Drawing
         written = revision.document["ground"]["points"][own]
         _enter_typed(revision, ("ground", "points", own, str(k)), written[k], text)
     carry(revision, name, target, typed=name)
-    return revision.finish(f"{name}.{'xy'[k]} = {text}", f"point {name}")
+    made = revision.finish(f"{name}.{'xy'[k]} = {text}", f"point {name}")
+    if not is_at(made.sketch, name, target):
+        raise InputError(f"{name}.{'xy'[k]} cannot be {text}: joints hold it elsewhere")
+    return made
 
 
 def _into_joint(revision: Revision, name: str, field: str, text: str) -> Drawing:
@@ -273,6 +277,8 @@ def _into_joint(revision: Revision, name: str, field: str, text: str) -> Drawing
         revision.enter(("joints", name, "clearance"), value_of(text))
         if "contact" not in entry:
             revision.enter(("joints", name, "contact"), CONTACTS[0])
+        if entry["type"] == "prismatic" and "block" not in entry:
+            _give_block(revision, name, _number(revision, text, "m"))
         return revision.finish(f"{name}: play {text}, contact {_model(entry)}", f"joint {name}")
     for key in ("clearance", "contact"):
         if key in entry:
@@ -280,6 +286,17 @@ def _into_joint(revision: Revision, name: str, field: str, text: str) -> Drawing
     if name in revision.document.get("initial", {}):
         revision.enter(("initial", name), None)
     return revision.finish(f"{name} has no play", f"joint {name}")
+
+
+def _give_block(revision: Revision, name: str, play: float) -> None:
+    """Give a block with play [m] the size without which its corners would be nowhere, about as large as it is drawn."""
+    far, across = BLOCK
+    size = max(revision.sketch.size, abs(play) / across)
+    block = {"length": two_digits(far * size), "height": two_digits(across * size)}
+    revision.enter(("joints", name, "block"), block)
+    revision.words.append(
+        f"its block is given a size of {plain(block['length'])} m by {plain(block['height'])} m: change it under Text"
+    )
 
 
 def _another_kind(revision: Revision, name: str, text: str) -> Drawing:

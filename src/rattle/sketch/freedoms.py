@@ -8,6 +8,7 @@ import numpy as np
 
 from rattle.analyses.assembly.rank import nonunique_reactions, rank, rank_of, scaled_rows
 from rattle.equations.closure import open_by
+from rattle.errors import AssemblyError
 from rattle.results.display import quantity
 from rattle.sketch.drawn import Drawn
 
@@ -24,7 +25,10 @@ def freedoms(sketch: Drawn) -> str:
         gaps = [f"{pin.name} by {quantity(pin.apart, 'm')}" for pin in sketch.open_joints]
         more = f" and {len(gaps) - MOST_NAMED} more" if len(gaps) > MOST_NAMED else ""
         return f"{_counts(sketch)}: does not close, open at {', '.join(gaps[:MOST_NAMED])}{more}"
-    return f"{_counts(sketch)}: {_mobility(sketch)}"
+    try:
+        return f"{_counts(sketch)}: {_mobility(sketch)}"
+    except AssemblyError as error:  # a motor whose function has no value here, for one
+        return f"{_counts(sketch)}: cannot move: {sketch.trouble or error}"
 
 
 def _counts(sketch: Drawn) -> str:

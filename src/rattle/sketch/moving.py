@@ -6,21 +6,58 @@ import math
 from typing import Any
 
 from rattle.errors import InputError
-from rattle.sketch.drawn import Spot
+from rattle.sketch.drawn import Drawn, Pin, Spot
 from rattle.sketch.revision import Drawing, Revision
 
 HERE = 1e-9  # share of the size within which a corner is at a point
+KEPT = 1e-6  # share of the size within which a point is where it was put
+GUIDES = ("prismatic", "slot")  # joints that leave a point one way
 
 
 def move(revision: Revision, point: str, to: Spot) -> Drawing | None:
     """Put a point, with all that pins join to it, to another place [m]; None if it is there.
 
-    Raises InputError where a number that would have to change is an expression.
+    One in a guide of the ground goes along that.  Raises InputError where a number that would have to change is an
+    expression.
     """
     if math.dist(revision.sketch.points[point], to) <= 0.0:
         return None
-    carry(revision, point, to)
-    return revision.finish(f"{point} moved", f"point {point}")
+    guide, there = _in_guide(revision.sketch, point, to)
+    if is_at(revision.sketch, point, there) and guide:
+        return revision.finish(f"{point} stays: {guide} lets it go along its line alone", f"point {point}")
+    words = f"{point} moved" if math.dist(to, there) <= KEPT * revision.sketch.size else f"{point} moved along {guide}"
+    carry(revision, point, there)
+    made = revision.finish(words, f"point {point}")
+    if is_at(made.sketch, point, there):
+        return made
+    return made._replace(words=f"joints hold {point} elsewhere than there; {made.words}")
+
+
+def is_at(sketch: Drawn, point: str, spot: Spot) -> bool:
+    """True if a point is drawn at a spot [m]."""
+    return math.dist(sketch.points[point], spot) <= KEPT * sketch.size
+
+
+def _in_guide(sketch: Drawn, point: str, to: Spot) -> tuple[str, Spot]:
+    """The guide of the ground that holds a point, and the place in it nearest to a spot; "" and the spot without."""
+    group = sketch.joined(point)
+    for pin in sketch.pins:
+        moving = [end for end in pin.ends if end in group and not end.startswith("ground.")]
+        fixed = [end for end in pin.ends if end not in group and end.startswith("ground.")]
+        a = sketch.model.joints[pin.name].a.body
+        turns = "bar" in sketch.document["bodies"].get(a, {})  # the line of the guide does, with the bar
+        if pin.kind in GUIDES and moving and fixed and not turns:
+            return pin.name, _nearest(sketch, pin, to)
+    return "", to
+
+
+def _nearest(sketch: Drawn, pin: Pin, spot: Spot) -> Spot:
+    """The place in a guide of the ground that is nearest to a spot."""
+    form = sketch.model.joints[pin.name]
+    angle = (form.line or 0.0) + (0.0 if form.a.body == "ground" else sketch.places[form.a.body][2])
+    x, y = sketch.points[next(end for end in pin.ends if end.startswith("ground."))]
+    along = (spot[0] - x) * math.cos(angle) + (spot[1] - y) * math.sin(angle)
+    return x + along * math.cos(angle), y + along * math.sin(angle)
 
 
 def carry(revision: Revision, point: str, to: Spot, typed: str = "") -> None:
@@ -102,6 +139,8 @@ def drop(revision: Revision, point: str, target: str) -> Drawing | None:
     """
     if target in revision.sketch.joined(point):
         return None
+    if any(pin.kind in GUIDES and {point, target} == set(pin.ends) for pin in revision.sketch.pins):
+        return move(revision, point, revision.sketch.points[target])  # joined by their guide
     body = point.partition(".")[0]
     if body == target.partition(".")[0]:
         raise InputError(f"{point} and {target} both belong to {body}: they cannot be joined")

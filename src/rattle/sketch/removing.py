@@ -33,7 +33,7 @@ def delete(revision: Revision, kind: str, name: str) -> Drawing:
     for path in gone:
         if path[0] != "initial" or path[1] in revision.document.get("initial", {}):
             revision.enter(path, None)
-    for body in [path[1] for path in gone if path[0] == "bodies"]:
+    for body in [path[1] for path in gone if path[0] == "bodies" and len(path) == 2]:
         revision.places.pop(body, None)
     taken = [_named(path) for path in gone if path[0] != "initial"]
     try:

@@ -24,8 +24,10 @@ from rattle.sketch.numbers import degrees, in_unit_of, length, number_of
 
 NAMES = ("bodies", "joints", "drivers", "signals", "states", "loads")  # they share their names
 MISSED = 1e-9  # share of the size by which a body may stand elsewhere than drawn
+LESS = 0.5  # share of what bodies are off by to which starts in the text have to bring it
 SAME = 1e-12  # change of a coordinate below which a driver starts as before [m, rad]
-MOST_USES = 4  # entries that are named where a parameter changes
+MOST_USES = 4  # entries that are named where a parameter changes, bodies where joints take them along
+WORDS = ("label", "description", "joint", "body", "at", "type", "contact", "model", "file", "profile")  # no expressions
 SAME_LENGTH = 1e-12  # share of the size by which two values of a parameter are one
 
 
@@ -197,7 +199,11 @@ class Revision:
     def uses(self, parameter: str) -> str:
         """Where else a parameter is used, in words."""
         sign = re.compile(rf"(?<![\w.]){re.escape(parameter)}(?!\w)")
-        paths = [".".join(path) for path, text in texts_of(self.document) if sign.search(text)]
+        paths = [
+            ".".join(path)
+            for path, text in texts_of(self.document)
+            if sign.search(text) and number_of(text) is None and not _is_word(path)
+        ]
         more = f" and {len(paths) - MOST_USES} more" if len(paths) > MOST_USES else ""
         return f", in {', '.join(paths[:MOST_USES])}{more}" if len(paths) > 1 else ""
 
@@ -219,7 +225,13 @@ class Revision:
             if self.renaming is not None or not (astray := self._astray(sketch)):
                 break
             start([*self.moved, *self._beside(astray)])
-            sketch = self._drawn()
+            after = self._drawn()
+            if sketch.trouble or self._keeps(after, astray):  # else joints move them: no start in the text holds them
+                sketch = after
+        follow = [] if sketch.trouble else list(self._astray(sketch))
+        if follow and self.renaming is None:
+            more = f" and {len(follow) - MOST_USES} more" if len(follow) > MOST_USES else ""
+            self.words.append(f"joints take along {', '.join(follow[:MOST_USES])}{more}")
         told = "; ".join(part for part in (words, *dict.fromkeys(self.words)) if part)
         return Drawing(sketch, told, chosen, field)
 
@@ -349,22 +361,32 @@ class Revision:
             if entry.get(key) != start:
                 self.enter(("initial", body, key), start)
 
-    def _astray(self, sketch: Drawn) -> list[str]:
-        """Bodies that would stand elsewhere than meant."""
-        size, astray = max(sketch.size, self.sketch.size), []
+    def _keeps(self, sketch: Drawn, astray: Mapping[str, float]) -> bool:
+        """True if fewer bodies are astray than these were, or far less."""
+        now = self._astray(sketch)
+        return len(now) < len(astray) or sum(now.values()) < LESS * sum(astray.values())
+
+    def _astray(self, sketch: Drawn) -> dict[str, float]:
+        """Bodies that would stand elsewhere than meant, and by how much [m]."""
+        size, astray = max(sketch.size, self.sketch.size), {}
         for body, (x, y, angle) in self.places.items():
             place = sketch.places.get(body)
             if place is None:
                 continue
             gap = max(abs(place[0] - x), abs(place[1] - y), size * abs(turned(place[2] - angle)))
             if gap > MISSED * size:
-                astray.append(body)
+                astray[body] = gap
         return astray
 
     def _beside(self, bodies: Iterable[str]) -> list[str]:
         """These bodies, and those that joints connect with them."""
         near = {other for body in bodies for other in reached(self.document, body, moving=True)}
         return [name for name in self.places if name in near or name in set(bodies)]
+
+
+def _is_word(path: Path) -> bool:
+    """True for a text of a document that is no expression."""
+    return len(path) == 1 or path[-2] == "connect" or (len(path) > 2 and path[-1] in WORDS)
 
 
 def parameter_path(parameters: Mapping[str, Any], name: str) -> Path:

@@ -13,7 +13,7 @@ from rattle.description.schema_pieces import NAMES, Schema
 from rattle.value_types import Json
 
 TOLD = {"description": "about", "const": "const", "enum": "enum", "default": "default", "required": "required"}
-TOLD |= {NAMES: "names", "type": "type"}
+TOLD |= {NAMES: "names", "type": "type", "examples": "examples"}
 
 
 @cache

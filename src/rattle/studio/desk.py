@@ -62,6 +62,8 @@ class Desk:
         self.easel = Easel(folder)
         self.drawing = False  # whether the page draws
         self.version = 0  # of the text
+        self.opened = 0  # how many models the page was given before this one
+        self._heard = 0  # number of the last text that the page has sent
         self.sound: Source | None = None  # the last text without problems
         self._checking = False
         self._errands: dict[str, Errand] = {}  # those that wait, by what they are about: of several the last counts
@@ -98,9 +100,14 @@ class Desk:
         """The page asks whether the studio is still there."""
         self.send({"kind": "alive"})
 
-    def do_text(self, text: str) -> None:
-        """The text was changed in the editor."""
-        if text == self.draft.text:
+    def do_text(self, text: str, number: int = 0, opened: int | None = None) -> None:
+        """The text was changed in the editor, or went back; number: which text of the page this is.
+
+        opened: how many models the page had been given: what it says of one before this is too late.
+        """
+        self._heard = number or self._heard
+        if text == self.draft.text or opened not in (None, self.opened):
+            self._show_drawing()
             return
         self.draft.text = edits.require_size(text)
         self.version += 1
@@ -153,30 +160,33 @@ class Desk:
 
     def _show_drawing(self) -> None:
         if self.drawing:
-            self._errand("sketch", self._drawn, self.send, of_text=True)
+            self._errand("sketch", self._drawn, self._send_drawing, of_text=True)
 
     def _drawn(self, text: str) -> Message:
         return self.easel.shown(text, self.draft.source()["file"])
 
-    def do_act(self, **message: Any) -> None:
-        """The hand has done something with a tool."""
+    def _send_drawing(self, message: Message) -> None:
+        """Tell the page a drawing, and up to which of its texts that counts."""
+        self.send({**message, "heard": self._heard})
 
-        def acted(text: str) -> Act | None:
+    def do_act(self, opened: int | None = None, **message: Any) -> None:
+        """The hand has done something with a tool; opened: how many models the page had been given then."""
+        if opened not in (None, self.opened):
+            return
+
+        def acted(text: str) -> Act:
             told = {**message, "model": self.draft.name}
             return self.easel.acted(edits.require_turnable(text), self.draft.source()["file"], told)
 
         self._errand(f"act {message.get('number')}", acted, lambda act: self._acted(act, message), of_text=True)
 
-    def _acted(self, act: Act | None, message: Message) -> None:
-        if act is None:
-            self._show_drawing()
-            return
+    def _acted(self, act: Act, message: Message) -> None:
         if act.text != self.draft.text:
             self.draft.text = act.text
             self.version += 1
             self._send_text(act=int(message.get("number") or 0))
             self._check()
-        self.send(act.message)
+        self._send_drawing(act.message)
 
     def do_grab(self, body: str, at: Sequence[float], places: Message | None = None, force: bool = False) -> None:
         """The hand takes a body, to turn the mechanism, or to pull with a force at what its motors hold."""
@@ -309,6 +319,8 @@ class Desk:
         self.draft.begin(text, name)
         self._shape = ""
         self.version += 1
+        self.opened += 1
+        self._errands = {about: errand for about, errand in self._errands.items() if not errand.of_text}
         self.computed.clear()
         self.options.clear()
         self.bench.drop(*TABS, "motion", "trust", "live", "sample")
@@ -340,7 +352,7 @@ class Desk:
         self._errand(about, changed, self._edit, of_text=True)
 
     def _send_text(self, fresh: bool = False, act: int = 0) -> None:
-        self.send({"kind": "text", "text": self.draft.text, "fresh": fresh, "act": act})
+        self.send({"kind": "text", "text": self.draft.text, "fresh": fresh, "act": act, "heard": self._heard})
         self._send_name()
 
     def _send_name(self) -> None:
@@ -360,14 +372,16 @@ class Desk:
             return
         self._running = True
         errand = self._errands.pop(next(iter(self._errands)))
-        text, version = self.draft.text, self.version
-        self._later(lambda: attempted(errand, text), lambda answer: self._back(errand, version, *answer))
+        text, version, opened = self.draft.text, self.version, self.opened
+        self._later(lambda: attempted(errand, text), lambda answer: self._back(errand, version, opened, *answer))
 
-    def _back(self, errand: Errand, version: int, answer: Any, trouble: str) -> None:
-        """An errand is done."""
+    def _back(self, errand: Errand, version: int, opened: int, answer: Any, trouble: str) -> None:
+        """An errand is done; version and opened: of the text that it was given."""
         self._running = False
         try:
-            if errand.of_text and version != self.version:  # of a text that is gone: again, unless a newer one waits
+            if errand.of_text and opened != self.opened:  # of a model that is gone
+                pass
+            elif errand.of_text and version != self.version:  # of a text that is gone: again, unless a newer one waits
                 self._errands = {errand.about: errand, **self._errands}
             elif trouble:
                 self._trouble(trouble, errand.about.partition(" ")[0])

@@ -23,6 +23,7 @@ from rattle.sketch.model_text import revised
 from rattle.sketch.numbers import length, typed_number
 from rattle.sketch.picture import picture_of, underlay_of
 from rattle.sketch.pull import Pull, Pulled
+from rattle.sketch.revision import Drawing
 from rattle.studio.folder import Folder
 
 Message = dict[str, Any]
@@ -59,8 +60,8 @@ class Easel:
         except ModelError as error:
             return {"kind": "sketch", "trouble": f"Drawing waits for the text: {first_problem(error)}"}
 
-    def acted(self, text: str, file: str, message: Mapping[str, Any]) -> Act | None:
-        """What an act makes of a text; None if it changes and chooses nothing.  Raises InputError."""
+    def acted(self, text: str, file: str, message: Mapping[str, Any]) -> Act:
+        """What an act makes of a text, the same text if it changes nothing.  Raises InputError."""
         name = str(message.get("act"))
         try:
             if name in PICTURES:
@@ -68,9 +69,8 @@ class Easel:
                 sketch = self.drawing(after, file)
                 told = {"words": words, "chosen": "", "field": ""}
             else:
-                made = act(self.drawing(text, file), message, file)
-                if made is None:
-                    return None
+                before = self.drawing(text, file)
+                made = act(before, message, file) or Drawing(before)
                 self._drawn = sketch = made.sketch
                 told = {"words": made.words, "chosen": made.chosen, "field": made.field}
         except ModelError as error:

@@ -8,6 +8,7 @@ const WIDE = 0.6; // of an empty sheet [m]
 const COARSEST = 0.01; // snap of an empty sheet [m]
 const MOST = 20; // pixels of a snap, which then has 8 at least
 const MARGIN = 0.15; // of a fitted drawing
+const POINT = 1e-12; // extent below which a drawing is one place [m], and share of how far away it is
 const STEADY = 1.6; // a drawing that is no more than so many times larger or smaller keeps the width of its bars
 
 export class Board {
@@ -136,7 +137,7 @@ export class Board {
     this.unmoved = false;
     const reach = this.running ? [this.moving.stage.low, this.moving.stage.high] : []; // of the motion that runs
     const [low, high] = [Math.min, Math.max].map((extreme) => [0, 1].map((k) => extreme(...[...points, ...reach].map((at) => at[k]))));
-    const spans = [0, 1].map((k) => high[k] - low[k]), size = Math.max(...spans) || WIDE / 4;
+    const spans = [0, 1].map((k) => high[k] - low[k]), size = Math.max(...spans) > POINT * (1 + Math.max(...low.map(Math.abs), ...high.map(Math.abs))) ? Math.max(...spans) : WIDE / 4;
     const room = [this.width, this.height].map((one) => one * (1 - 2 * MARGIN));
     const scale = Math.min(...[0, 1].map((k) => room[k] / Math.max(spans[k], 0.2 * size)));
     this.view = { scale, x: this.width / 2 - scale * (low[0] + high[0]) / 2, y: this.height / 2 + scale * (low[1] + high[1]) / 2 };

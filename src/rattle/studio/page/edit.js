@@ -13,9 +13,10 @@ const MOST_LINES = 24; // paths and centrodes on the sheet at once
 const STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 export class Edit {
-  // send: tells the studio.  show: the Motion tab.  text(): the model text now.
-  constructor({ send, show, text }) {
-    Object.assign(this, { send, show, on: false, tool: "Select", things: [], count: 0, turned: null, lines: [] });
+  // send: tells the studio.  show: the Motion tab.  text(): the model text now.  sent(): the number of texts that the page
+  // has sent.  back(): takes the last change of the text back.
+  constructor({ send, show, text, sent, back }) {
+    Object.assign(this, { send, show, sent, back, on: false, heard: 0, under: null, waiting: [], tool: "Select", things: [], count: 0, turned: null, lines: [] });
     this.board = new Board();
     this.hand = new Hand(this.board, this.told());
     this.panel = new Panel({
@@ -87,6 +88,7 @@ export class Edit {
     this.el.hidden = !on;
     this.show.draws(on);
     if (on) {
+      this.waiting = [];
       this.show.rest();
       this.take("Select");
       this.board.run(null);
@@ -98,7 +100,8 @@ export class Edit {
   }
 
   // The drawing is that of an earlier text until the studio has drawn the new one.
-  waits(waits) { this.board.above.setAttribute("aria-busy", String(waits)); }
+  get settled() { return !this.under && this.heard === this.sent(); }
+  waits(waits = !this.settled || this.waiting.length > 0) { this.board.above.setAttribute("aria-busy", String(waits)); }
 
   take(name) {
     this.tool = name;
@@ -144,7 +147,12 @@ export class Edit {
   // ---------------------------------------------------------------- what the studio says
   // message: {drawing, words, chosen, field, number} or {trouble}.
   hear(message) {
-    if (message.number === undefined || message.number === this.count) this.waits(false);
+    this.heard = message.heard;
+    this.takeIn(message);
+    this.answered(message.number, message.changed);
+  }
+
+  takeIn(message) {
     this.breaks(Boolean(message.trouble));
     if (message.trouble) {
       this.status.textContent = message.trouble;
@@ -177,6 +185,7 @@ export class Edit {
 
   // While the text has an error there is nothing to draw on: the tools rest.
   breaks(broken) {
+    if (broken) this.waiting = [];
     if (broken && !this.broken) { this.hand.cancel(); this.show_still(); this.choose([]); this.say(""); this.complain(""); }
     this.broken = broken;
     this.el.classList.toggle("broken", broken);
@@ -185,6 +194,8 @@ export class Edit {
 
   // Another model is open: it is shown as a whole.
   fresh() {
+    this.waiting = [];
+    this.under = null;
     this.underlay.forget();
     this.board.begins = true;
     this.began = this.drawing = null;
@@ -209,11 +220,11 @@ export class Edit {
     return kind === "point" ? this.hand.thingsOf(name) : [chosen];
   }
 
-  refuse(words) {
+  refuse(words, about) {
     this.hand.forget();
-    this.waits(false);
     if (this.panel.asked) this.panel.complain(words);
     else this.complain(words);
+    if (about === "act") this.answered(this.under?.number, false);
   }
 
   pulled(message) {
@@ -243,9 +254,38 @@ export class Edit {
   act(message) {
     if (this.broken) return;
     this.complain("");
-    this.waits(true);
     this.goesOn = false; // no tool was taken since
-    this.send({ do: "act", number: ++this.count, snap: this.board.snap, ...message });
+    this.waiting.push({ snap: this.board.snap, ...message, seen: this.settled && !this.waiting.length });
+    this.sendNext();
+  }
+
+  // One act after the other, each when the drawing is that of the text.
+  sendNext() {
+    if (this.settled && this.waiting.length) {
+      const { seen, ...message } = this.waiting.shift();
+      this.under = { number: ++this.count, back: 0 };
+      this.send({ do: "act", number: this.count, ...(seen ? message : caughtAnew(message, this.drawing?.points ?? {})) });
+    }
+    this.waits();
+  }
+
+  // The studio has answered an act; what Ctrl Z meant meanwhile is taken back.
+  answered(number, changed) {
+    if (this.under && number === this.under.number) {
+      const { back } = this.under;
+      this.under = null;
+      for (let k = changed ? 0 : 1; k < back; k++) this.back();
+    }
+    this.sendNext();
+  }
+
+  // True if a step back or forth is one of acts that wait or are under way, the last first.
+  takesBack(way) {
+    if (!this.under && !this.waiting.length) return false;
+    if (way === "undo" && !this.waiting.pop()) this.under.back += 1;
+    if (way === "redo" && this.under?.back) this.under.back -= 1;
+    this.waits();
+    return true;
   }
 
   choose(things) {
@@ -410,3 +450,14 @@ export class Edit {
 
 const same = (one, other) => JSON.stringify(one) === JSON.stringify(other);
 const distance = ([a, b]) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+
+// An act on an earlier drawing: places of the sheet at which there are points by now.
+function caughtAnew(message, points) {
+  const names = Object.entries(points), within = message.snap / 1000;
+  const anew = (told) => {
+    if (!Array.isArray(told?.at) || told.point || told.line) return told;
+    const here = names.filter(([, spot]) => distance([spot, told.at]) <= within).map(([name]) => name);
+    return here.length ? { ...told, point: here.find((name) => name.startsWith("ground.")) ?? here[0] } : told;
+  };
+  return Object.fromEntries(Object.entries(message).map(([key, told]) => [key, Array.isArray(told) ? told.map(anew) : anew(told)]));
+}

@@ -1,5 +1,7 @@
 // What may stand at a place of the model text: keys and choices from the schema of the model file, names from the text.
 
+const KINDS = { points: "point", joints: "joint", bodies: "body", materials: "material" };
+
 export class Entries {
   constructor({ parts, whole }) {
     this.parts = parts;
@@ -56,7 +58,8 @@ export class Entries {
       if (part.const !== undefined) add(String(part.const), part.about, "", typeof part.const !== "string");
       for (const value of part.enum ?? []) add(String(value), meaning(this, parts, value) ?? part.about, value === part.default ? "usual" : "", typeof value !== "string");
       if (part.type === "boolean") for (const value of ["true", "false"]) add(value, part.about, String(part.default) === value ? "usual" : "", true);
-      if (part.names) for (const name of namesOf(root, part.names)) add(name, part.about, part.names === "points" ? "point" : part.names === "joints" ? "joint" : "body");
+      if (part.names) for (const name of namesOf(root, part.names)) add(name, part.about, KINDS[part.names]);
+      for (const value of part.examples ?? []) add(value, part.about, "");
       if (part.type?.includes?.("number") && part.type.includes("string")) for (const name of tableOf(root, "parameters").keys()) add(name, part.about, "parameter");
     }
     return [...found.values()];
@@ -104,7 +107,7 @@ export function pointsOf(body) {
 }
 
 export function namesOf(root, kind) {
-  if (kind === "joints") return [...tableOf(root, "joints").keys()];
+  if (kind === "joints" || kind === "materials") return [...tableOf(root, kind).keys()];
   const bodies = [["ground", tableOf(root, "ground")], ...tableOf(root, "bodies")];
   if (kind === "bodies") return bodies.map(([name]) => name);
   return bodies.flatMap(([name, body]) => pointsOf(body).map((point) => `${name}.${point}`));

@@ -25,12 +25,14 @@ class Page {
     know(DECLARED);
     this.history = new History();
     this.shown = "motion";
+    this.texts = 0; // how many the page has sent
+    this.opened = 0; // how many models the studio has given
     this.puts = 0; // how often something was put into the text at once: a step back each
     this.facts = EMPTY;
     this.tell = (message) => {
       this.editor.flush();
       if (["setting", "contact", "method"].includes(message.do)) this.show.otherwise = true;
-      wire.send(message);
+      wire.send(message.do === "act" ? { ...message, opened: this.opened } : message);
     };
     this.dialogs = new Dialogs((message) => this.tell(message));
     this.editor = new Editor((text, atOnce) => this.typed(text, atOnce), (words) => this.say(words));
@@ -42,7 +44,7 @@ class Page {
     this.status = new Status((message) => this.tell(message));
     this.report = new Report();
     this.show = new Show((run) => this.computed(run), (message) => this.tell(message));
-    this.edit = new Edit({ send: (message) => this.tell(message), show: this.show, text: () => this.history.now });
+    this.edit = new Edit({ send: (message) => this.tell(message), show: this.show, text: () => this.history.now, sent: () => this.texts, back: () => this.move("undo") });
     this.show.edit = this.edit;
     this.show.el.prepend(this.edit.el);
     this.header = new Header({
@@ -131,19 +133,26 @@ class Page {
   typed(text, atOnce = false) {
     this.history.record(text, atOnce ? `put ${++this.puts}` : "typing");
     this.header.steps(this.history);
+    this.sendText(text);
+  }
+
+  sendText(text) {
     this.show.otherwise = true;
-    this.wire.send({ do: "text", text });
+    this.wire.send({ do: "text", text, number: ++this.texts, opened: this.opened });
   }
 
   step(way) {
     this.editor.flush();
+    if (!this.edit.takesBack(way)) this.move(way);
+  }
+
+  move(way) {
     const text = this.history[way]();
     this.header.steps(this.history);
     if (text === null) return;
     this.edit.waits(this.edit.on);
     this.editor.show(text, "change");
-    this.show.otherwise = true;
-    this.wire.send({ do: "text", text });
+    this.sendText(text);
   }
 
   say(words) {
@@ -160,7 +169,10 @@ class Page {
     if (answer) answer.call(this, message);
   }
 
+  // What the studio made of an earlier text is not recorded: it has that of the page by now.
   on_text(message) {
+    if (message.fresh) this.opened += 1;
+    else if (message.heard !== this.texts) return;
     if (message.fresh) { this.history.start(message.text); this.show.clear(); this.edit.fresh(); this.facts = EMPTY; for (const head of this.heads.values()) { head.forget(); head.show({ state: "" }); } for (const sheet of this.sheets.values()) sheet.show([]); }
     else if (this.history.now === "" && !this.history.past.length) this.history.start(message.text);
     else this.history.record(message.text, message.act ? `act ${message.act}` : "knob");
@@ -268,8 +280,9 @@ class Page {
 
   on_trouble(message) {
     if (this.facts.settings) this.knobs.show(this.facts); // what was entered is taken back
-    if (["act", "measure", "grab", "pull"].includes(message.about)) this.edit.refuse(message.words);
+    if (["act", "measure", "grab", "pull"].includes(message.about)) this.edit.refuse(message.words, message.about);
     else if (["knob", "contact", "setting", "method"].includes(message.about)) this.knobs.complain(message.words);
+    else if (message.about === "sketch") this.edit.hear({ trouble: message.words, heard: this.texts }); // or acts would wait for it
     else if (message.about === "measured") this.show.measured.say(message.words);
     else this.say(message.words);
   }
