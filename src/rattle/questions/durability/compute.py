@@ -144,6 +144,8 @@ def _told(first: First, factors: tuple[float, float], hours: float | None) -> st
         return "no life is known: no joint says how it wears, and no bar what it endures"
     if math.isinf(first.hours):
         return "nothing fails of what is known"
+    if first.hours == 0.0:
+        return f"{first.name} fails at once, by {first.what}: it bears less than a single cycle"
     told = f"{first.name} fails first, by {first.what} after {_hours(first.hours)}"
     if hours is None:
         return told
@@ -153,7 +155,7 @@ def _told(first: First, factors: tuple[float, float], hours: float | None) -> st
 
 
 def _told_bands(first: First, middle: Bands) -> str:
-    if not math.isfinite(first.hours):
+    if not 0.0 < first.hours < math.inf:
         return ""
     spans = ", ".join(f"{share} % by {_hours(hours)}" for share, hours in zip((10, 50, 90), middle, strict=True))
     return f"of {first.name} have failed {spans}"
@@ -162,7 +164,7 @@ def _told_bands(first: First, middle: Bands) -> str:
 def _shown(row: Row) -> tuple[str, ...]:
     """A row of the table for people."""
     sizes = (
-        quantity(row.load, "N"), quantity(row.pressure, "Pa", usual="MPa"), f"{1e-6 * row.pv:.4g} MPa*m/s",
+        quantity(row.load, "N", 5), quantity(row.pressure, "Pa", usual="MPa"), f"{1e-6 * row.pv:.4g} MPa*m/s",
         f"{row.film:.3g}", _hours(row.wear_life), _hours(row.fatigue_life), f"{row.safety:.3g}",
     )  # fmt: skip
     return (row.name, *("-" if math.isnan(value) else size for value, size in zip(row.figures, sizes, strict=True)))
@@ -175,7 +177,8 @@ def _hours(hours: float) -> str:
 def _remarks(rows: Sequence[Row]) -> tuple[str, ...]:
     """What is assumed of bands; then what is nan and why, and how lives were found, by what is the same of many."""
     remarks = []
-    lives = {what: [row for row in rows for named, _, _ in row.lives if named == what] for what in (WORN, TIRED)}
+    ends = [(row, what) for row in rows for what, hours, _ in row.lives if 0.0 < hours < math.inf]
+    lives = {what: [row for row, named in ends if named == what] for what in (WORN, TIRED)}
     if any(row.assumed for row in lives[WORN]):
         remarks.append(
             f"assumed, not measured: 10 and 90 % of wear lives at {WEAR[0]:.2g} and {WEAR[1]:g} times the life"

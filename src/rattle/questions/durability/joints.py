@@ -13,7 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle import registry
 from rattle.analyses.driver_period import driver_period
+from rattle.description.read_wear import kind_wears
 from rattle.errors import InputError
 from rattle.language.recorded import bare
 from rattle.questions.durability.cases import Case
@@ -46,7 +48,8 @@ def _bearing(case: Case, name: str, mapped: Mapping[str, float], mapping: str) -
     radius, length = bare(joint.radius), bare(joint.length)
     notes = []
     load = math.nan
-    if math.isnan(radius * length):
+    pinned = kind_wears(registry.kinds("joint")[joint.kind])
+    if pinned and math.isnan(radius * length):
         notes.append(NO_SIZE)
     if f"{name}.force" in run:
         reads = readable(run, f"{name}.force")
@@ -67,7 +70,7 @@ def _bearing(case: Case, name: str, mapped: Mapping[str, float], mapping: str) -
     elif joint.wears is not None:
         wear = bare(joint.wears.rate) * pv / bare(joint.wears.limit)
         notes += [NO_LIMIT] if math.isnan(bare(joint.wears.limit)) else []
-    else:
+    elif pinned:
         notes.append("no wear life: it does not say how it wears, wear = { bush, limit }")
     return Bearing(load, load / (2.0 * radius * length), pv, ratio, wear, tuple(notes))
 
