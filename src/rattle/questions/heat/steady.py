@@ -34,7 +34,7 @@ NEAR, SHARE = 0.01, 1e-4  # last step, in K or as a share of the rise: far below
 QUIET = 1e-9  # share of all losses below which one is rounding
 STEEPEST = 2.0  # times the slope of oil and play alone, that of a joint among several: beyond it others changed
 FLATTEST = 0.1  # slope of the balance over that of constant losses below which no secant is followed: it leads too far
-STRIDE = 2.0  # by which steps grow that no secant leads
+REACH = 20.0  # [K] of a step that no secant leads: dry friction begins, or play closes, and may stop again
 TURNED = 0.5  # share of the last step by which a step turns back that is halved
 
 
@@ -157,7 +157,7 @@ class _Search:
             aim = now + ahead / steepness
         else:
             slope[k] = 0.0
-            aim = now + max(ahead / FLATTEST, STRIDE * float(self.last_step[k])) if ahead > 0.0 else -math.inf
+            aim = now + REACH if ahead > 0.0 else -math.inf
         if not self.low <= aim <= self.high:
             slope[k] = 0.0
             aim = 0.5 * (self.low + self.high) if math.isfinite(self.low) else plain[k]
