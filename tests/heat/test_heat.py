@@ -285,6 +285,14 @@ def test_the_command_prints_degrees_and_writes_json_and_a_picture(tmp_path):
     assert numbers["hottest"]["value"] > 303.15
 
 
+def test_samples_of_an_ensemble_have_temperatures():
+    m = rotors(*PAIR, more=TABLE + "[parameters]\npush = 300\n").set({"loads.f0.force": [0, "-push"]})
+    e = m.ensemble(3, ["final(J0.temperature)"], {"push": 20.0}, analysis="heat", seed=2)
+    pushes = [e.sample(k).parameters["push"] for k in range(3)]
+    want = [AIR + np.linalg.solve([[0.9, -0.5], [-0.5, 0.75]], [lost(push, 50), 8])[0] for push in pushes]
+    assert list(e["final(J0.temperature)"]) == pytest.approx(want, rel=1e-6)
+
+
 def test_table_card_and_remarks_say_the_same():
     h = rotors(*PAIR, more=TABLE).heat()
     assert list(h.table["temperature"]) == pytest.approx(20 + RISES, rel=EXACT)

@@ -80,7 +80,7 @@ def cases_of(m: Mechanism) -> Iterator[Case]:
     duty = m.model.duty or (DutyCase(1.0, {}),)
     whole = sum(case.share for case in duty)
     for number, case in enumerate(duty):
-        mechanism = m.set(case.changes) if case.changes else m
+        mechanism = m.set(case.changes)  # a copy, even without any: its run holds its model, that of a sample does not
         run = mechanism.simulate()
         if run.interrupted:
             raise KeyboardInterrupt

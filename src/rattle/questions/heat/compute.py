@@ -62,7 +62,7 @@ class Heat(Answer):
 def heat(m: Mechanism, ambient: Quantity | None, cooling: Cooling, conduction: Conduction, t_end: float | None) -> Heat:
     """Steady temperatures of all joints; see `Mechanism.heat`."""
     ways = network(m, ambient, cooling, conduction)
-    return _answer(ways, steady(m, ways, t_end))
+    return _answer(ways, steady(m.set(), ways, t_end))  # a copy's runs hold their model, those of a sample do not
 
 
 def _answer(ways: Network, state: Steady) -> Heat:
