@@ -32,3 +32,11 @@ def last_turn(system: System, end: float) -> float:
     """When the last turn of the driver before `end` begins [s]; 0 if no driver turns steadily or that long."""
     period = driver_period(system)
     return max(end - period, 0.0) if period is not None and end - period >= -EARLY * end else 0.0
+
+
+def part_of_turn(system: System, end: float) -> str:
+    """In words that a run that ends at `end` [s] is shorter than a turn of the driver; "" if it is not."""
+    period = driver_period(system)
+    if period is None or end - period >= -EARLY * end:
+        return ""
+    return f"a run of {end:.4g} s is shorter than a turn of the driver, {period:.4g} s: means are those of a part of it"

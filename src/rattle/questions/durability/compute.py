@@ -46,7 +46,7 @@ class Durability(Answer):
     """How long joints and links last.
 
     rows: of joints, then of links.  first: what fails first.  bands: hours by which 10, 50 and 90 % have failed by it.
-    hours: that are wanted.  remarks: what is assumed, and what is nan and why.
+    hours: that it needs to last.  remarks: what is assumed, and what is nan and why.
     """
 
     rows: tuple[Row, ...]
@@ -115,10 +115,10 @@ def durability(m: Mechanism, duty: Duty, hours: float | None) -> Durability:
     m = with_duty(m, duty)
     if not m.model.joints and not m.model.bodies:
         raise ModelError([Problem((), "there is no joint and no link that could fail")])
-    rows = rows_of(m)
+    rows, notes = rows_of(m)
     first, factors = _first(rows)
     middle = bands(first.hours, factors)
-    remarks = _remarks(rows)
+    remarks = (*notes, *_remarks(rows))
     blocks = (
         table(HEAD, [_shown(row) for row in rows], "Over all duty cases"),
         words(_told_bands(first, middle)), words("\n".join(remarks)),

@@ -24,7 +24,7 @@ def advice(m: Mechanism, name: str, what: str, hours: float) -> str:
     path, called, size = place
     more = _rounded_up(size * STEP)
     try:
-        row = next(row for row in rows_of(m.set({path: more})) if row.name == name)
+        row = next(row for row in rows_of(m.set({path: more})).rows if row.name == name)
     except (InputError, SolverError):  # larger than what it has to fit into, or another motion
         return ""
     life = row.wear_life if what == WORN else row.fatigue_life

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 COLOURS = {WORN: BLUE, TIRED: ORANGE}
 WIDTH, FRAME, BAR = 7.6, 1.1, 0.42  # [in] of the picture, around its bars, of each bar
 LEFT = 2.0  # space beside the bands on either side, times their end
-WANTED = "hours that are wanted"
+NEEDED = "hours needed"
 
 
 def has_lives(d: Durability) -> bool:
@@ -44,7 +44,7 @@ def plot_lives(d: Durability) -> Figure:
         scatter = ax.plot([band.early, band.late], [place, place], "|-", color=BLACK, linewidth=1.2, label="10 to 90 %")
         names.setdefault("band", scatter[0])
     if d.hours is not None:
-        names["hours"] = ax.axvline(d.hours, color=BLACK, linestyle="--", linewidth=1.2, label=WANTED)
+        names["hours"] = ax.axvline(d.hours, color=BLACK, linestyle="--", linewidth=1.2, label=NEEDED)
     ax.set_xscale("log")
     ax.set_xlim(least, max(most, LEFT * (d.hours or 0.0)))
     ax.set_yticks(range(len(lives)), [name for name, _, _ in lives])

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle.analyses.driver_period import part_of_turn
 from rattle.mechanism import Mechanism
 from rattle.questions.durability.bands import FATIGUE, WEAR
 from rattle.questions.durability.cases import cases_of
@@ -49,15 +50,24 @@ class Row(NamedTuple):
         return tuple(life for life in every if not math.isnan(life[1]))
 
 
-def rows_of(m: Mechanism) -> tuple[Row, ...]:
-    """All joints, then all bars with section and material.  Raises SolverError for a run that fails."""
-    shares, of_joints, of_links = [], [], []
+class Rows(NamedTuple):
+    """All joints, then all bars with section and material; and what is to be said of the runs."""
+
+    rows: tuple[Row, ...]
+    notes: tuple[str, ...]
+
+
+def rows_of(m: Mechanism) -> Rows:
+    """What everything bears, and how long it lasts.  Raises SolverError for a run that fails."""
+    shares, of_joints, of_links, notes = [], [], [], []
     for case in cases_of(m):
         shares.append(case.share)
+        notes.append(part_of_turn(case.mechanism.system, case.duration))
         of_joints.append(bearings(case))
         of_links.append(links(case))
     joints = [_joint(m, name, shares, [case[name] for case in of_joints]) for name in m.model.joints]
-    return (*joints, *(_link(name, shares, [case[name] for case in of_links]) for name in of_links[0]))
+    bars = [_link(name, shares, [case[name] for case in of_links]) for name in of_links[0]]
+    return Rows((*joints, *bars), tuple(dict.fromkeys(filter(None, notes))))
 
 
 def _joint(m: Mechanism, name: str, shares: Sequence[float], cases: Sequence[Bearing]) -> Row:

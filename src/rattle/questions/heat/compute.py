@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from rattle.analyses.driver_period import part_of_turn
 from rattle.answers.answer import Answer, Number
 from rattle.answers.blocks import bars, table, words
 from rattle.language.quantities import Quantity
@@ -112,8 +113,9 @@ def _to_air(ways: Network, state: Steady) -> list[float]:
 
 def _remarks(state: Steady) -> tuple[str, ...]:
     """What a user should know of these temperatures."""
+    short = tuple(filter(None, (part_of_turn(state.mechanism.system, state.duration),)))
     if not state.dependents:
-        return ("no oil and no play depends on temperature: what joints lose is that of one run",)
-    named = ", ".join(joint.joint for joint in state.dependents)
+        return (*short, "no oil and no play depends on temperature: what joints lose is that of one run")
+    named = ", ".join(f"{joint.parts} of {joint.joint}" for joint in state.dependents)
     count = f"{state.runs} run{'s' if state.runs > 1 else ''}"
-    return (f"oil and play of {named} are those at these temperatures, found by {count}",)
+    return (*short, f"as they are at these temperatures, found by {count}: {named}")

@@ -27,6 +27,12 @@ class Dependent(NamedTuple):
     number: int  # among all joints
     keys: tuple[str, ...]  # of the model file, for its temperatures
     has_oil: bool
+    grows: bool  # its play depends on temperature
+
+    @property
+    def parts(self) -> str:
+        """What depends on its temperature, in words."""
+        return " and ".join(word for word, counts in (("oil", self.has_oil), ("play", self.grows)) if counts)
 
 
 def dependents(m: Mechanism) -> tuple[Dependent, ...]:
@@ -39,7 +45,7 @@ def dependents(m: Mechanism) -> tuple[Dependent, ...]:
         parts = [part for part, counts in (("contact", has_oil), ("clearance", grows)) if counts]
         if parts:
             keys = tuple(f"joints.{name}.{part}.temperature" for part in parts)
-            joints.append(Dependent(name, number, keys, has_oil))
+            joints.append(Dependent(name, number, keys, has_oil, grows))
     return tuple(joints)
 
 

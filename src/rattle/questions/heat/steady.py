@@ -46,6 +46,7 @@ class Steady(NamedTuple):
     mechanism: Mechanism
     runs: int
     dependents: tuple[Dependent, ...]
+    duration: float  # of a run [s]
 
 
 class _Balance(NamedTuple):
@@ -69,7 +70,8 @@ def steady(m: Mechanism, ways: Network, t_end: float | None) -> Steady:
         step = aim - now
         if not joints or np.abs(step).max() <= max(NEAR, SHARE * float((aim - ways.ambient).max())):
             losses = balance.losses + slope * step
-            return Steady(aim, losses, search.at(aim), runs, joints)
+            duration = m.model.settings.t_end if t_end is None else t_end
+            return Steady(aim, losses, search.at(aim), runs, joints, duration)
         now = within_reach(m, joints, now, aim, balance.losses)
     named = ", ".join(f"{joint.joint} {now[joint.number] - FREEZING:.2f} degC" for joint in joints)
     raise SolverError(
