@@ -19,7 +19,8 @@ from rattle.errors import InputError, WrongType, shown, suggest
 from rattle.language.quantities import in_si
 from rattle.language.units import FREEZING
 
-COLDEST, HOTTEST = 243.15, 473.15  # -30 and 200 degC [K]: beyond them oils set or burn, and the law was not fitted
+COLDEST, HOTTEST = 243.15, 473.15  # -30 and 200 degC [K]: what a model may have, beyond them oils set or burn
+LAW_ENDS = 503.15  # 230 degC [K], up to which the law may be asked: what looks for a temperature looks beyond it too
 AT_40, AT_100 = 313.15, 373.15  # where oils are measured [K]
 AT_15 = 288.15  # where their density is [K]
 MM2 = 1e6  # mm^2/s in a m^2/s
@@ -52,7 +53,7 @@ class Oil:
     assumed: tuple[str, ...]  # what is typical rather than of this oil, in words
 
     def kinematic(self, T: str | float) -> float:
-        """Kinematic viscosity [m^2/s] at a temperature.  Raises InputError outside -30 ... 200 degC."""
+        """Kinematic viscosity [m^2/s] at a temperature.  Raises InputError outside -30 ... 230 degC."""
         a, b = self.law
         return float(10.0**10.0 ** (a - b * math.log10(temperature(T))) - SHIFT) / MM2
 
@@ -64,11 +65,11 @@ class Oil:
         return high + b * math.log10(AT_40), b
 
     def density(self, T: str | float) -> float:
-        """Density [kg/m^3] at a temperature.  Raises InputError outside -30 ... 200 degC."""
+        """Density [kg/m^3] at a temperature.  Raises InputError outside -30 ... 230 degC."""
         return self.density15 * (1.0 - EXPANSION * (temperature(T) - AT_15))
 
     def viscosity(self, T: str | float) -> float:
-        """Dynamic viscosity [Pa s] at a temperature.  Raises InputError outside -30 ... 200 degC."""
+        """Dynamic viscosity [Pa s] at a temperature.  Raises InputError outside -30 ... 230 degC."""
         return self.kinematic(T) * self.density(T)
 
 
@@ -110,21 +111,19 @@ def oil(written: str | Mapping[str, Any]) -> Oil:
 def temperature(T: str | float, what: str = "temperature") -> float:
     """A temperature [K] within the range of oils, from a text with a unit or a number in K.
 
-    Raises InputError outside -30 ... 200 degC and for other quantities; what: its name in messages.
+    Raises InputError outside -30 ... 230 degC and for other quantities; what: its name in messages.
     """
     if isinstance(T, bool):
         raise WrongType(f"{what}: expected a temperature, as in '60 degC'; got {T!r}")
     kelvin = in_si(T, what, "K", "'60 degC'")
-    if COLDEST <= kelvin <= HOTTEST:
+    if COLDEST <= kelvin <= LAW_ENDS:
         return kelvin
     told = f"'{T}'" if isinstance(T, str) else f"{T!r:.40}"
     asked = ""
-    if _is_bare(T) and COLDEST <= kelvin + FREEZING <= HOTTEST:
+    if _is_bare(T) and COLDEST <= kelvin + FREEZING <= LAW_ENDS:
         asked = f"; a number is kelvin; write '{kelvin:.9g} degC'"
-    raise InputError(
-        f"{what} {told} is {kelvin - FREEZING:.6g} degC, outside {COLDEST - FREEZING:g} ... {HOTTEST - FREEZING:g} degC"
-        f" for which oils are known{asked}"
-    )
+    ends = f"{COLDEST - FREEZING:g} ... {LAW_ENDS - FREEZING:g} degC"
+    raise InputError(f"{what} {told} is {kelvin - FREEZING:.6g} degC, outside {ends} for which oils are known{asked}")
 
 
 def _is_bare(T: str | float) -> bool:

@@ -76,7 +76,7 @@ def oil(oil_: str, temperatures: tuple[str, ...], vi: str | None, density: str |
     """Viscosity of an oil over temperature, by its grade.
 
     OIL is a grade of ISO 3448, such as "ISO VG 46".  TEMPERATURE is a text with a unit, or a number in kelvin, from
-    -30 to 200 degC; without one the table goes from 20 to 100 degC.  The law is that of ASTM D341, with the viscosity
+    -30 to 230 degC; without one the table goes from 20 to 100 degC.  The law is that of ASTM D341, with the viscosity
     index by ASTM D2270.  What is typical rather than of this oil is said below the table.
 
     \b

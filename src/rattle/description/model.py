@@ -549,6 +549,7 @@ class Parameter:
     dist: str | ValueTable = ""  # "" where the file does not say
     label: str = ""  # what sliders and reports call it; "" for its name
     description: str = ""  # what a reader should know of it
+    deviates: bool = False  # it is how far a size lies off its nominal one, and may have either sign
 
     @property
     def title(self) -> str:

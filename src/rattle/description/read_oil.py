@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from rattle.catalogue.oils import AT_15, COLDEST, EXPANSION, HOTTEST, MM2, SHIFT, Oil, oil, temperature
+from rattle.catalogue.oils import AT_15, COLDEST, EXPANSION, HOTTEST, MM2, SHIFT, Oil, oil
 from rattle.description.model import OilAt
 from rattle.description.read_fields import FieldReader
 from rattle.description.reading import Path, Table
@@ -14,6 +14,7 @@ from rattle.errors import InputError
 from rattle.language.expression import parse, value
 from rattle.language.recorded import bare
 
+ZERO = 273.15  # 0 degC [K]
 OIL_KEYS = ("oil", "temperature")
 # the law as `Oil.viscosity` has it, so that a temperature that is recorded keeps its record
 KINEMATIC = "(10**(10**(A - B*log(T)/log(10))) - shift)/mm2"
@@ -39,10 +40,7 @@ def read_oil(reader: FieldReader, table: Table, path: Path) -> tuple[OilAt | Non
     if known is None or len(values.problems) > before or math.isnan(bare(warm)):
         return None, {**rest, "viscosity": 1.0}  # told already: nothing more of it
     if not (warm >= COLDEST and warm <= HOTTEST):
-        try:
-            temperature(bare(warm))
-        except InputError as error:
-            values.wrong((*path, "temperature"), str(error))
+        values.wrong((*path, "temperature"), _outside(bare(warm)))
         return None, {**rest, "viscosity": 1.0}
     a, b = known.law
     names = {
@@ -52,6 +50,13 @@ def read_oil(reader: FieldReader, table: Table, path: Path) -> tuple[OilAt | Non
     density = value(parse(DENSITY), names)
     viscosity = value(parse(f"({KINEMATIC})*({DENSITY})"), names)
     return OilAt(known, warm, viscosity, density), {**rest, "viscosity": viscosity, "density": density}
+
+
+def _outside(warm: float) -> str:
+    """What is said of a temperature [K] at which oils are not used."""
+    asked = f"; a number is kelvin: write '{warm:.9g} degC'" if COLDEST <= warm + ZERO <= HOTTEST else ""
+    ends = f"{COLDEST - ZERO:g} ... {HOTTEST - ZERO:g} degC"
+    return f"{warm - ZERO:.6g} degC is outside {ends}, where oils set or burn{asked}"
 
 
 def _oil(reader: FieldReader, written: object, path: Path) -> Oil | None:

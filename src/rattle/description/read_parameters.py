@@ -63,7 +63,7 @@ def read_parameters(values: Values, document: Table) -> dict[str, Parameter]:
         entry = parameters.get(name, Parameter(name, values.constants[name], "m"))
         parameters[name] = replace(
             entry, tol=default.tol if entry.tol is None else entry.tol, dist=entry.dist or default.dist,
-            description=entry.description or default.description,
+            description=entry.description or default.description, deviates=True,
         )  # fmt: skip
     return parameters
 

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
+from rattle.catalogue.fits import Fit
 from rattle.description.changes import Path
 from rattle.description.read_contact import contact_models
 from rattle.description.switch_contact import contact_of, recontact
@@ -16,6 +17,7 @@ from rattle.sketch.drawn import PINS, Drawn, Spot
 from rattle.sketch.expressions import rate_of, two_digits, with_rate
 from rattle.sketch.moving import carry, is_at
 from rattle.sketch.numbers import degrees, length, plain, typed_number
+from rattle.sketch.plays import HINT, OFFERS, play_text, typed_play
 from rattle.sketch.removing import TABLES, rename
 from rattle.sketch.revision import Drawing, Revision, parameter_path
 
@@ -34,6 +36,7 @@ class Field(NamedTuple):
     text: str
     hint: str = ""
     choices: tuple[str, ...] = ()
+    offers: tuple[str, ...] = ()  # what might be typed
 
 
 def fields_of(sketch: Drawn, chosen: str) -> list[Field]:
@@ -79,16 +82,13 @@ def _of_point(sketch: Drawn, name: str) -> Iterator[Field]:
 def _of_joint(sketch: Drawn, name: str) -> Iterator[Field]:
     entry = sketch.document["joints"][name]
     yield Field("Name", name)
-    if entry["type"] in PINS and "clearance" not in entry:
+    loose = "clearance" in entry or "bearing" in entry
+    if entry["type"] in PINS and not loose:
         yield Field("Kind", entry["type"], "revolute turns, fixed is welded", PINS)
     if entry["type"] not in ("revolute", "prismatic", "slot"):
         return
-    yield Field(
-        "Play",
-        _with_unit(entry.get("clearance", ""), "m"),
-        "bush radius minus pin radius, such as 0.2 mm; empty for none",
-    )
-    if "clearance" in entry:
+    yield Field("Play", _with_unit(play_text(entry), "m"), HINT, offers=OFFERS if entry["type"] == "revolute" else ())
+    if loose:
         model = _model({"contact": "massless-link", **entry})
         yield Field("Contact", model, "what happens when pin and bush meet", tuple(contact_models(entry["type"])))
 
@@ -273,19 +273,33 @@ def _into_joint(revision: Revision, name: str, field: str, text: str) -> Drawing
     if field == "Contact":
         revision.enter(("joints", name, "contact"), recontact(contact_of(revision.document, name), text))
         return revision.finish(f"{name}: contact {text}", f"joint {name}")
+    named = typed_play(text) if entry["type"] == "revolute" else None
+    if named is not None:
+        _without_play(revision, name, entry, ("clearance", "bearing"))
+        revision.enter(("joints", name, named.key), named.value)
+        words = named.named.words if isinstance(named.named, Fit) else f"radial play of {named.named.title}"
+        if "contact" not in entry:
+            revision.enter(("joints", name, "contact"), CONTACTS[0])
+        return revision.finish(f"{name}: {words}, contact {_model(entry)}", f"joint {name}")
     if text and _number(revision, text, "m") != 0.0:
+        _without_play(revision, name, entry, ("bearing",))
         revision.enter(("joints", name, "clearance"), value_of(text))
         if "contact" not in entry:
             revision.enter(("joints", name, "contact"), CONTACTS[0])
         if entry["type"] == "prismatic" and "block" not in entry:
             _give_block(revision, name, _number(revision, text, "m"))
         return revision.finish(f"{name}: play {text}, contact {_model(entry)}", f"joint {name}")
-    for key in ("clearance", "contact"):
-        if key in entry:
-            revision.enter(("joints", name, key), None)
+    _without_play(revision, name, entry, ("clearance", "bearing", "contact"))
     if name in revision.document.get("initial", {}):
         revision.enter(("initial", name), None)
     return revision.finish(f"{name} has no play", f"joint {name}")
+
+
+def _without_play(revision: Revision, name: str, entry: Mapping[str, Any], keys: tuple[str, ...]) -> None:
+    """Take keys out of a joint, where they are."""
+    for key in keys:
+        if key in entry:
+            revision.enter(("joints", name, key), None)
 
 
 def _give_block(revision: Revision, name: str, play: float) -> None:

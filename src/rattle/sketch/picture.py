@@ -14,6 +14,7 @@ from rattle.sketch.drawn import Drawn, Pin
 from rattle.sketch.fields import fields_of
 from rattle.sketch.freedoms import freedoms
 from rattle.sketch.numbers import number_of
+from rattle.sketch.plays import play_text
 
 
 def picture_of(sketch: Drawn) -> dict[str, Any]:
@@ -52,7 +53,7 @@ def _joint(sketch: Drawn, pin: Pin, driver: str) -> dict[str, Any]:
         "together": sketch.together(pin),
         "type": pin.kind,
         "driver": driver,
-        "play": str(entry.get("clearance", "")),
+        "play": str(play_text(entry)),
         "apart": apart,
     }
 

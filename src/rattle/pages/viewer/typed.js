@@ -22,14 +22,16 @@ export function unitOf(text) {
   return made;
 }
 
+const FREEZING = 273.15; // 0 degC in K
+
 // The number in SI of a text for a quantity in `unit` (SI); without a unit it counts in `usual`.  Throws an Error.
 export function typedValue(text, unit, usual) {
   const parts = /^\s*([-+−]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$/.exec(text);
   if (!parts) throw new Error(`'${text}' is no number: write one such as ${usual ? `5 ${usual}` : "5"}`);
   const number = Number(parts[1].replace("−", "-").replace(",", ".")), given = parts[2] || usual;
-  const found = unitOf(given), own = unitOf(unit);
+  const zero = given === "degC" ? FREEZING : 0, found = unitOf(zero ? "K" : given), own = unitOf(unit);
   if (!found) throw new Error(`'${given}' is no unit that is known here; ${unit || "a bare number"} is expected`);
   if (own && found.slice(1).some((power, k) => power !== own[k + 1]))
     throw new Error(`'${given}' is another quantity; ${unit || "a bare number"} is expected`);
-  return number * found[0];
+  return number * found[0] + zero;
 }

@@ -308,4 +308,4 @@ def _room(t: Linear, name: str) -> float:
     """The greatest tolerance of a parameter [SI]: to its limits in the model, else all of its nominal value."""
     parameter = t.trials.task.mechanism.model.parameters[name]
     ends = [abs(limit - parameter.value) for limit in (parameter.minimum, parameter.maximum) if limit is not None]
-    return min(ends, default=abs(parameter.value) or math.inf)
+    return min(ends, default=math.inf if parameter.deviates else abs(parameter.value) or math.inf)

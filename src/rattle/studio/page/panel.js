@@ -71,7 +71,7 @@ export class Panel {
       const label = seen.has(row.name) ? `${row.name} of ${row.thing.split(" ")[1]}` : row.name; // the first has the plain name
       seen.add(row.name);
       const input = row.choices.length ? h("select", { "aria-label": label }, row.choices.map((one) => h("option", { value: one }, one)))
-        : h("input", { "aria-label": label, spellcheck: "false", autocomplete: "off", placeholder: row.name === "Play" ? "none" : "", title: row.hint });
+        : h("input", { "aria-label": label, spellcheck: "false", autocomplete: "off", placeholder: row.name === "Play" ? "none" : "", title: row.hint, ...(row.offers?.length ? { list: `offers of ${row.name}`.replaceAll(" ", "-") } : {}) });
       input.now = row.text;
       input.value = row.text;
       const enter = () => {
@@ -94,7 +94,8 @@ export class Panel {
       });
       input.addEventListener("focus", () => input.select?.());
       this.inputs.set(`${row.thing} ${row.name}`, input);
-      return [row.heading ? h("h3", {}, row.heading) : null, h("label", {}, h("span", {}, row.name), input)];
+      const offers = row.offers?.length ? h("datalist", { id: input.getAttribute("list") }, row.offers.map((value) => h("option", { value }))) : null;
+      return [row.heading ? h("h3", {}, row.heading) : null, h("label", {}, h("span", {}, row.name), input, offers)];
     }));
   }
 
