@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from typing import overload
+from typing import Any, overload
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,10 +17,12 @@ from rattle.questions.bifurcation.compute import Bifurcation
 from rattle.questions.check.compute import Check
 from rattle.questions.compare.compute import Comparison
 from rattle.questions.dead_band.compute import DeadBand
+from rattle.questions.durability.compute import Durability
 from rattle.questions.ensemble.compute import Ensemble
 from rattle.questions.ensemble.fields import Vary
 from rattle.questions.equilibrium.position import Equilibria, Equilibrium
 from rattle.questions.film.bearing import Film
+from rattle.questions.heat.compute import Heat
 from rattle.questions.holds.holding_range import HoldingRange
 from rattle.questions.lyapunov.compute import Lyapunov
 from rattle.questions.many.compute import Many
@@ -476,6 +478,29 @@ class OfMechanism:
 
         Source: Booth (1965), J. Basic Eng. 87, 187-198; docs/theory.md, section 11."""
         ...
+    def heat(
+        self,
+        *,
+        ambient: Quantity | None = None,
+        cooling: Mapping[str, Quantity] | str | None = None,
+        conduction: Mapping[tuple[str, str], Quantity] | str | None = None,
+        t_end: Seconds | None = None,
+    ) -> Heat:
+        """Steady temperatures of joints from what they lose by friction.
+
+        What a joint loses is the mean over the last turn of the driver, or over the whole run.  It flows to the air and
+        between joints by conductances that have to be known.  Oil and play are those at the temperature of their joint,
+        found by repeated runs.  What is left out is as in the table [heat] of the model.
+
+        ambient: temperature of the air, "20 degC"; a number is kelvin.  cooling: to the air, {"pin": "2 W/K"}.
+        conduction: between joints, {("pin", "slider"): "0.5 W/K"}.  t_end: end of the runs [s] (default: the model's).
+        `h.temperature["pin"]` [K], `h.loss["pin"]` [W], `h.iterations` runs, `h.mechanism` with these temperatures,
+        `h.table` [degC], `h.plot()`, `h.remarks`.  Losses are those of `r.power()`.
+        Raises InputError for heat that cannot leave, unknown joints and wrong units; SolverError where a joint seizes,
+        oil leaves -30 ... 200 degC, or no steady temperatures are reached.
+
+        Source: docs/heat-and-life.md."""
+        ...
     def wear(
         self,
         cycles: float | None = None,
@@ -503,6 +528,24 @@ class OfMechanism:
         a cycle that cannot be simulated, OSError.
 
         Source: docs/wear.md; Archard, J. Appl. Phys. 24 (1953) 981-988."""
+        ...
+    def durability(
+        self, duty: Sequence[Mapping[str, Any]] | str | None = None, hours: float | None = None
+    ) -> Durability:
+        """How long joints and links last: load, pressure, PV, film, wear life, fatigue life, safety, what fails first.
+
+        One run per duty case.  Joints wear by k p v with `wear`, `length` and the radius of their pin, those with play
+        by the map of `rattle wear`; bars with `section` and `material` tire by the cycles of their stress.  Bands about
+        a life are assumptions unless the model says them.
+
+        duty: cases, [{"share": 0.7, "set": {"M": 30}}, ...] or "0.7: M=30; 0.3: M=60", shares of time in proportion
+        (default: [duty] of the model, else the model as it is).  hours: that it needs to last, compared with what it does.
+        `d.table`, one row per joint and link: load [N], pressure [Pa], pv [Pa m/s], film (least thickness over
+        roughness), wear life [h], fatigue life [h], safety; nan where something is missing, which `d.remarks` says.
+        `d.first` (name, what, hours), `d.bands` (10, 50, 90 % of the first failure [h]), `d.advice`, `d.plot()`.
+        Raises ModelError, InputError for cases that make no sense, SolverError for a run that fails.
+
+        Source: docs/heat-and-life.md."""
         ...
 
 class OfResult:

@@ -104,6 +104,7 @@ class Question(NamedTuple):
     arguments: Mapping[str, Argument]
     shows_quantities: bool  # the command has --units
     own_tab: Tab | None  # what its part `tab` fills
+    in_blocks: bool = False  # it returns an heir of `Answer`
 
     @property
     def written(self) -> str:
@@ -152,7 +153,9 @@ class Question(NamedTuple):
 
     @property
     def answers_in_blocks(self) -> bool:
-        """True if it returns an `Answer`, from which everything it shows is made."""
+        """True if it returns an `Answer`, from which everything it shows is made, or says that it does."""
+        if self.in_blocks:
+            return True
         returned = self.answer.__annotations__.get("return", "")
         return str(getattr(returned, "__name__", returned)).rpartition(".")[2] == "Answer"
 
@@ -173,11 +176,13 @@ def question(
     *, asks: str, wants: str | tuple[tuple[str, str], ...] = (), examples: tuple[tuple[str, str], ...] = (),
     of: str = "mechanism", command: str | None = None, title: str = "", order: int = OWN_ORDER,
     arguments: Mapping[str, Argument] | None = None, shows_quantities: bool = True, tab: Tab | None = None,
+    in_blocks: bool = False,
 ) -> Callable[[F], F]:  # fmt: skip
     """Decorator: declares a question; arguments as in `Question`.
 
     wants: a text, or for each row of the table what you want to know and how the analysis is called, as Markdown.
     command: default the name of the function with - for _.  title: default the name with spaces.
+    in_blocks: the function returns a class that inherits from `Answer`.
     Raises InputError for a name that is taken, or arguments that the function does not have.
     """
 
@@ -199,7 +204,7 @@ def question(
         declared = Question(
             name, function, function.__module__, asks, of, called,
             title or words[0].upper() + words[1:], ((wants, words),) if isinstance(wants, str) else wants, examples,
-            order, arguments or {}, shows_quantities, tab,
+            order, arguments or {}, shows_quantities, tab, in_blocks,
         )  # fmt: skip
         if declared.answers_in_blocks and (taken := sorted(OF_EVERY_QUESTION & set(takes))):
             raise InputError(f"question '{name}': {', '.join(taken)} means something already; rename the argument")

@@ -102,13 +102,14 @@ def _line_of(result: Result, name: str, label: str, factor: float) -> Block:
     return line(label, result.t, factor * shown_curve(result, name), top=top and (top.t, factor * top.y), short=short)
 
 
-def bars(title: str, y: str, labels: Sequence[str], values: Sequence[float]) -> Block | None:
-    """Bars with names; None without any."""
+def bars(title: str, y: str, labels: Sequence[str], values: Sequence[float], told: bool = True) -> Block | None:
+    """Bars with names; None without any.  told: False where a table says their numbers already."""
     chart = {
         "kind": "bars",
         "title": title,
         "y": y,
         "labels": list(labels),
         "values": [float(value) for value in values],
+        "told": told,
     }
     return chart if labels else None

@@ -47,6 +47,8 @@ def _curves(block: Block) -> str:
 
 
 def _bars(block: Block) -> str:
+    if not block["told"]:
+        return ""
     rows = [(label, f"{value:.{DIGITS}g}") for label, value in zip(block["labels"], block["values"], strict=True)]
     return f"{block['title']}\n{columns(('', block['y']), rows)}"
 

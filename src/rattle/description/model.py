@@ -593,6 +593,15 @@ class DutyCase:
 
 
 @dataclass(frozen=True)
+class HeatPaths:
+    """Where the heat of joints goes."""
+
+    ambient: float | None = None  # temperature of the air [K]
+    cooling: Mapping[str, float] = field(default_factory=dict)  # to the air, by joint [W/K]
+    conduction: Mapping[tuple[str, str], float] = field(default_factory=dict)  # between two joints [W/K]
+
+
+@dataclass(frozen=True)
 class Settings:
     """The [simulate] table; None means that the program decides."""
 
@@ -628,6 +637,7 @@ class Model:
     definitions: Mapping[str, Node] = field(default_factory=dict)  # what names of points, joints and loads stand for
     materials: Mapping[str, Material] = field(default_factory=dict)  # of the model's own
     duty: tuple[DutyCase, ...] = ()
+    heat: HeatPaths | None = None
     falling: tuple[Node, Node] | None = None  # gravity [m/s^2] as a function of t; None: it stays as it is
 
     @property

@@ -309,7 +309,7 @@ def _line(values: Values, field: Field, written: object, path: Path) -> tuple[Ve
 
 OWN = (  # shapes that depend on other parts of the model: of expressions on names, of joints on their kind
     "bearing", "cases", "contact", "coordinate", "distribution", "ends", "expression", "joint", "material of a body",
-    "oil", "own friction", "place", "section", "stop",
+    "oil", "own friction", "place", "section", "stop", "ways",
 )  # fmt: skip
 MANY = {"pair": 2, "triple": 3}  # shapes of several numbers, and how many
 SHAPES: Mapping[str, Callable[[Values, Field, Any, Path], Any]] = {  # of all shapes but numbers

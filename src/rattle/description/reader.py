@@ -14,6 +14,7 @@ from rattle.description.model import Driver, Initial, Model, Settings, State, Va
 from rattle.description.moving_points import drivers_of_point, moving_point
 from rattle.description.read_duty import read_duty
 from rattle.description.read_fields import FieldReader
+from rattle.description.read_heat import read_heat
 from rattle.description.read_materials import read_materials
 from rattle.description.read_parameters import read_groups, read_parameters, read_signals
 from rattle.description.read_parts import Parts
@@ -103,6 +104,7 @@ def _read(document: Table, values: Values) -> Model:
     initial, settings = _initial(values, document, parts), _settings(parts, document)
     _picture(parts, document)
     duty = read_duty(values, document, parameters)
+    heat = read_heat(parts, document, {*parts.joints, *parts.broken_joints})
     require_mass_at_contacts(values, parts.bodies, parts.joints)
     rates = [state.rate for state in states.values()]
     pulls, of_pulls = forces(parts.loads)
@@ -124,7 +126,7 @@ def _read(document: Table, values: Values) -> Model:
     return Model(
         title, gravity, parameters, signals, units | of_pulls, parts.ground, parts.bodies, parts.joints, parts.drivers,
         parts.loads, initial, settings, values.constants, tuple(values.remarks), groups, states, values.tables,
-        stand_for, materials, duty, falling,
+        stand_for, materials, duty, heat, falling,
     )  # fmt: skip
 
 

@@ -10,7 +10,15 @@ from typing import Any
 from rattle import registry
 from rattle.catalogue import bearings, oils
 from rattle.description.read_fields import geometries
-from rattle.description.tables import DISTRIBUTIONS, DUTY_CASE, MATERIAL, SECTION_NUMBERS, SECTION_SHAPES, Part
+from rattle.description.tables import (
+    CONDUCTION,
+    DISTRIBUTIONS,
+    DUTY_CASE,
+    MATERIAL,
+    SECTION_NUMBERS,
+    SECTION_SHAPES,
+    Part,
+)
 from rattle.language.materials import MATERIALS
 from rattle.registry import REQUIRED, Field, Kind
 
@@ -133,6 +141,7 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "points": lambda field: points(field.meaning),
     "ring": lambda field: RING,
     "section": _section,
+    "ways": lambda field: array(fields_of(CONDUCTION.fields, CONDUCTION.meaning)),
     "rings": lambda field: array(RING),
     "stepper": _steppers,
     "table": lambda field: {"type": "object"},

@@ -420,6 +420,23 @@ DUTY_CASE = Form(
     "what the machine does for a share of its time",
 )
 DUTY = Form({"cases": Field("", "what the machine does, each with its share of the time", None, shape="cases")})
+CONDUCTION = Form(
+    {
+        "between": Field("", "two joints", shape="names", like='two joints like ["A", "B"]'),
+        "conductance": Field(
+            "W/K", "of what is between them", least="positive", missing="needs its conductance in W/K"
+        ),
+    },
+    "a way of heat between two joints",
+)
+HEAT = Form(
+    {
+        "ambient": Field("K", "temperature of the air", None, least="positive"),
+        "cooling": Named(Field("W/K", "conductance to the air", least="positive"), "joints and their ways to the air"),
+        "conduction": Field("", "ways between joints", None, shape="ways"),
+    },
+    "where the heat of joints goes",
+)
 PICTURE = Form(
     {
         "file": Field("", "picture beside the model file", shape="text", longest=200),
@@ -452,6 +469,7 @@ MODEL = Form(
         "initial": Named(Either((START, OFFSET)), "start of bodies and of clearance joints"),
         "simulate": SIMULATE,
         "duty": DUTY,
+        "heat": HEAT,
         "picture": PICTURE,
     }
 )

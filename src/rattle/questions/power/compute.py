@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rattle.analyses.driver_period import driver_period
+from rattle.analyses.driver_period import last_turn
 from rattle.atomic_file import atomic
 from rattle.errors import InputError
 from rattle.loading import loads
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 NOISE = 1e-9  # share of the largest energy into a body below which one is rounding
 PAST = 1e-9  # [of the end] by which a time may lie beyond the end of the run: rounding of what a user adds up
-EARLY = 1e-12  # [of the end] the same before its start, of a turn of the driver that is as long as the run
 NEEDED = ("document", "t_end", "method", "rtol", "atol")  # in the provenance: the run is gone through again
 RUN_AGAIN = "run it again with this version"
 
@@ -56,9 +55,7 @@ def _window(r: Result, m: Mechanism, t0: float | None, t1: float | None) -> tupl
     """The window [s]: what is given, else the last turn of the driver, or the whole run if there is none in it."""
     end = min(float(r.provenance["t_end"]), r.trust.t_end)
     last = end if t1 is None else float(t1)
-    period = driver_period(m.system)
-    first = last - period if period is not None and last - period >= -EARLY * last else 0.0
-    first = max(first, 0.0) if t0 is None else float(t0)
+    first = last_turn(m.system, last) if t0 is None else float(t0)
     if not 0.0 <= first < last <= end * (1.0 + PAST):
         raise InputError(f"power from {first:g} to {last:g} s: give times in order between 0 and the end, {end:g} s")
     return first, min(last, end)

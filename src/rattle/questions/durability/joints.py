@@ -1,0 +1,103 @@
+"""What a joint bears in a run, and how fast it wears.
+
+    p = F/(2 R L)      v = R |w|      depth lost per time = k p v, of its mean over time
+
+Source: Archard, J. Appl. Phys. 24 (1953) 981-988.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle import registry
+from rattle.analyses.driver_period import driver_period
+from rattle.description.read_wear import kind_wears
+from rattle.errors import InputError
+from rattle.language.recorded import bare
+from rattle.questions.durability.cases import Case
+from rattle.results.contact_summary import readable
+
+NO_SIZE = "no pressure: length, and the radius of its bush or pin, are needed"
+NO_LIMIT = "no wear life: wear.limit, the depth that is allowed, is missing"
+FOREVER = 1e15  # cycles, more than a machine makes: the map of wear ends at its limit, not there
+
+
+class Bearing(NamedTuple):
+    """What one joint bears in one run; nan where it is not known."""
+
+    load: float  # largest force [N]
+    pressure: float  # at that force [Pa]
+    pv: float  # time mean of p |v| [Pa m/s]
+    film: float  # least film thickness over roughness
+    wear: float  # depth lost per time over the depth that is allowed [1/s]
+    notes: tuple[str, ...]
+
+
+def bearings(case: Case) -> dict[str, Bearing]:
+    """What every joint bears in the run of a case."""
+    mapped, notes = _by_map(case)
+    return {name: _bearing(case, name, mapped, notes) for name in case.mechanism.model.joints}
+
+
+def _bearing(case: Case, name: str, mapped: Mapping[str, float], mapping: str) -> Bearing:
+    run, joint = case.run, case.mechanism.model.joints[name]
+    radius, length = bare(joint.radius), bare(joint.length)
+    notes = []
+    load = math.nan
+    pinned = kind_wears(registry.kinds("joint")[joint.kind])
+    if pinned and math.isnan(radius * length):
+        notes.append(NO_SIZE)
+    if f"{name}.force" in run:
+        reads = readable(run, f"{name}.force")
+        load = run.peak(f"{name}.force")[0] if reads else math.nan
+        if not reads:
+            notes.append("no load: forces of rigid contacts tower where no real one would")
+    pv = math.nan
+    if f"{name}.rate" in run and f"{name}.force" in run:
+        pv = case.mean(np.abs(run[f"{name}.force"] * run[f"{name}.rate"])) / (2.0 * length)
+    film = run.films.get(name)
+    ratio = math.nan
+    if film is not None and joint.contact is not None and joint.contact.film is not None:
+        ratio = film.least_film / bare(joint.contact.film.roughness)
+    wear = math.nan
+    if joint.wear is not None:
+        wear = mapped.get(name, math.nan)
+        notes.append(mapping if math.isnan(wear) else "wear life by the map of its wear, not by k p v")
+    elif joint.wears is not None:
+        wear = bare(joint.wears.rate) * pv / bare(joint.wears.limit)
+        notes += [NO_LIMIT] if math.isnan(bare(joint.wears.limit)) else []
+    elif pinned:
+        notes.append("no wear life: it does not say how it wears, wear = { bush, limit }")
+    return Bearing(load, load / (2.0 * radius * length), pv, ratio, wear, tuple(notes))
+
+
+def _by_map(case: Case) -> tuple[dict[str, float], str]:
+    """Depth lost per time over the depth that is allowed [1/s] of joints with play that wear, by the map of `wear`.
+
+    And in words why there is none of a joint that is missing.
+    """
+    m = case.mechanism
+    worn = {name: joint for name, joint in m.model.joints.items() if joint.wear is not None}
+    limits = {name: bare(joint.wears.limit) for name, joint in worn.items() if joint.wears is not None}
+    limits = {name: limit for name, limit in limits.items() if not math.isnan(limit)}
+    if not limits:
+        return {}, NO_LIMIT
+    written = [joint.wear.cycle for joint in worn.values() if joint.wear is not None]
+    cycle = next((period for period in written if not math.isnan(period)), None) or driver_period(m.system)
+    if cycle is None:
+        return {}, "no wear life: no driver turns at constant rate; give wear.cycle"
+    try:
+        study = m.wear(cycles=FOREVER, cycle=cycle, stop={"depth": min(limits.values())})
+    except InputError as error:
+        return {}, f"no wear life: {error}"
+    if study.interrupted:
+        raise KeyboardInterrupt
+    rates = {}
+    for name, limit in limits.items():
+        depth = sum(side.deepest for side in study.profile(name))
+        rates[name] = depth / limit / (study.cycles * cycle)
+    return rates, NO_LIMIT

@@ -1,0 +1,42 @@
+"""What a bar bears in a run, and how much of its life a run takes."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rattle.questions.durability.cases import Case
+
+STRENGTH = "rattle.questions.strength"
+
+
+class Link(NamedTuple):
+    """What one bar bears in one run; nan where it is not known."""
+
+    load: float  # largest force along it [N]
+    fatigue: float  # share of its life per time [1/s]
+    safety: float
+    notes: tuple[str, ...]
+
+
+def links(case: Case) -> dict[str, Link]:
+    """What every bar with section and material bears in the run of a case."""
+    if importlib.util.find_spec(STRENGTH) is None:
+        return {}
+    strengths = importlib.import_module(f"{STRENGTH}.compute").strengths(case.run)
+    return {name: _link(case, strength) for name, strength in strengths.items()}
+
+
+def _link(case: Case, strength: Any) -> Link:
+    life, safety = float(strength.life), float(strength.safety)
+    notes = []
+    if math.isnan(life):
+        notes.append("no fatigue life: its material says no ultimate, endurance or exponent")
+    if math.isnan(safety):
+        notes.append("no safety: its material says no yield")
+    used = math.inf if life == 0.0 else 1.0 / (life * case.duration)
+    return Link(float(np.nanmax(np.abs(strength.normal))), used, safety, tuple(notes))
