@@ -39,6 +39,7 @@ def test_these_examples_are_shipped():
         "geneva", "scissor_lift", "door_closer", "ratchet", "piston_engine", "stick_slip",
         "drawer", "cam_lift_off", "gear_rattle", "belt_drive", "slider_crank_oil", "journal_falls", "stribeck",
         "rotor_whirl", "fourbar_oil", "slider_crank_worn", "dominoes", "marble_run", "rimless_wheel", "step_ladder",
+        "connecting_rod", "press", "bucket_pins", "gripper", "wiper",
     }  # fmt: skip
 
 

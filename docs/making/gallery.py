@@ -23,6 +23,7 @@ def _first_impact(result: Any, joint: str) -> float:
 
 
 NUMBERS: dict[str, tuple[str, Callable[[Any], tuple[float, str]]]] = {
+    "connecting_rod": ("Largest stress of the rod", lambda r: (r.strength("rod").peak, "Pa")),
     "balanced_arm": ("Angle of the arm in equilibrium", lambda r: (r["arm.angle"][0], "rad")),
     "belt_drive": ("Tension of the tight strand at the end", lambda r: (r["belt.tight"][-1], "N")),
     "cam_lift_off": (
@@ -106,6 +107,7 @@ SUBJECTS: dict[str, Callable[[Any, str], bool]] = {  # by what the model and the
     "gears, cams, slots": lambda model, _: any(one.kind in GROOVED for one in model.joints.values()),
     "clutches, stops": lambda model, _: any(one.stop or one.kind == "clutch" for one in model.joints.values()),
     "contact anywhere": lambda model, _: any(one.kind == "surface" for one in model.joints.values()),
+    "strength, heat, life": lambda _, text: bool(re.search(r"rattle (strength|heat|durability|fit) ", text)),
     "springs, motors": lambda model, _: any(
         "spring" in one.kind or one.kind in ("actuator", "motor") for one in model.loads.values()
     ),
