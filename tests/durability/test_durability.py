@@ -304,3 +304,39 @@ def test_a_report_has_a_section_where_the_model_says_how_it_wears(tmp_path):
     assert "<h2>Durability</h2>" in page
     assert "J fails first, by wear after 208.3 h" in page
     assert "<svg" in worn().durability()._repr_html_()
+
+
+ROLLING = """
+format = 1
+ground.points.O = [0, 0]
+bodies.rotor = { points = { P = [0, 0] }, mass = 1, inertia = 1 }
+drivers.d = { joint = "O", angle = "speed*t" }
+loads.f = { type = "force", at = "rotor.P", force = [0, "-load"] }
+parameters = { load = "10 kN", speed = "1000 rpm" }
+simulate.t_end = "2*pi/speed"
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "rotor.P"]
+bearing = { number = "6208 C3", capacity = "30.7 kN" }
+contact = "ideal"
+"""
+
+
+def test_a_rolling_bearing_lasts_as_iso_281_says():
+    """C/P = 3.07 at 1000 rpm: L10 = 482.2 h; half of them reach (ln 2/-ln 0.9)^(1/1.5) = 3.51 times that."""
+    basic = 1e6 * 3.07**3 / 1000 / 60
+    d = rt.loads(ROLLING).durability()
+    assert d.first.name == "O"
+    assert d.first.what == "fatigue"
+    assert d.bands[0] == pytest.approx(basic, rel=1e-6)
+    assert d.first.hours == pytest.approx(basic * (math.log(2) / -math.log(0.9)) ** (1 / 1.5), rel=1e-6)
+    assert any("L10 = 482.2 h" in remark for remark in d.remarks)
+    cases = [{"share": 1, "set": {"load": "10 kN"}}, {"share": 3, "set": {"load": "5 kN", "speed": "2000 rpm"}}]
+    several = 1e6 * 3.07**3 / (0.25 * 1000 + 0.75 * 2000 / 8) / 60
+    assert rt.loads(ROLLING).durability(duty=cases).bands[0] == pytest.approx(several, rel=1e-6)
+
+
+def test_a_rolling_bearing_without_capacity_leaves_its_life_open():
+    d = rt.loads(ROLLING.replace(', capacity = "30.7 kN"', "")).durability()
+    assert math.isnan(d.first.hours)
+    assert any("capacity is missing" in remark for remark in d.remarks)

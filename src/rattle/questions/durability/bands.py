@@ -12,6 +12,9 @@ from typing import NamedTuple
 
 WEAR = (1.0 / 3.0, 3.0)  # of the life, 10 and 90 %
 FATIGUE = (0.5, 2.0)
+SLOPE = 1.5  # of the Weibull distribution of lives of rolling bearings, as ISO 281 has it
+MEDIAN = (math.log(2.0) / -math.log(0.9)) ** (1.0 / SLOPE)  # life of half of them over L10, which 90 % reach
+ROLLING = (1.0 / MEDIAN, (math.log(10.0) / math.log(2.0)) ** (1.0 / SLOPE))
 AT_10 = 1.2815515655446004  # quantile of the normal distribution at 90 %
 
 

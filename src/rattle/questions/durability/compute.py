@@ -183,7 +183,7 @@ def _remarks(rows: Sequence[Row]) -> tuple[str, ...]:
         remarks.append(
             f"assumed, not measured: 10 and 90 % of wear lives at {WEAR[0]:.2g} and {WEAR[1]:g} times the life"
         )
-    if lives[TIRED]:
+    if any(row.fatigue_band == FATIGUE for row in lives[TIRED]):
         remarks.append(
             f"assumed, not measured: 10 and 90 % of fatigue lives at {FATIGUE[0]:g} and {FATIGUE[1]:g} times the life"
         )

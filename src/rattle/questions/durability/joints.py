@@ -2,7 +2,7 @@
 
     p = F/(2 R L)      v = R |w|      depth lost per time = k p v, of its mean over time
 
-Source: Archard, J. Appl. Phys. 24 (1953) 981-988.
+Source: Archard, J. Appl. Phys. 24 (1953) 981-988; ISO 281 for rolling bearings.
 """
 
 from __future__ import annotations
@@ -15,9 +15,11 @@ import numpy as np
 
 from rattle import registry
 from rattle.analyses.driver_period import driver_period
+from rattle.catalogue.bearings import MILLION, BearingPlay
 from rattle.description.read_wear import kind_wears
 from rattle.errors import InputError
 from rattle.language.recorded import bare
+from rattle.questions.durability.bands import MEDIAN
 from rattle.questions.durability.cases import Case
 from rattle.results.contact_summary import readable
 
@@ -34,6 +36,7 @@ class Bearing(NamedTuple):
     pv: float  # time mean of p |v| [Pa m/s]
     film: float  # least film thickness over roughness
     wear: float  # depth lost per time over the depth that is allowed [1/s]
+    tired: float  # turns of a rolling bearing per time over those that half of them survive [1/s]
     notes: tuple[str, ...]
 
 
@@ -49,7 +52,7 @@ def _bearing(case: Case, name: str, mapped: Mapping[str, float], mapping: str) -
     notes = []
     load = math.nan
     pinned = kind_wears(registry.kinds("joint")[joint.kind])
-    if pinned and math.isnan(radius * length):
+    if pinned and math.isnan(radius * length) and not isinstance(joint.named, BearingPlay):
         notes.append(NO_SIZE)
     if f"{name}.force" in run:
         reads = readable(run, f"{name}.force")
@@ -70,9 +73,27 @@ def _bearing(case: Case, name: str, mapped: Mapping[str, float], mapping: str) -
     elif joint.wears is not None:
         wear = bare(joint.wears.rate) * pv / bare(joint.wears.limit)
         notes += [NO_LIMIT] if math.isnan(bare(joint.wears.limit)) else []
-    elif pinned:
+    elif pinned and not isinstance(joint.named, BearingPlay):
         notes.append("no wear life: it does not say how it wears, wear = { bush, limit }")
-    return Bearing(load, load / (2.0 * radius * length), pv, ratio, wear, tuple(notes))
+    tired = _tired(case, name, notes) if isinstance(joint.named, BearingPlay) else math.nan
+    return Bearing(load, load / (2.0 * radius * length), pv, ratio, wear, tired, tuple(notes))
+
+
+def _tired(case: Case, name: str, notes: list[str]) -> float:
+    """Share of its life that a rolling bearing takes per time [1/s], by its median; nan where it is not known.
+
+    1/L10 = mean of |w| F^p over 2 pi 1e6 C^p: ISO 281 for load and speed that change.
+    """
+    rolling, run = case.mechanism.model.joints[name].named, case.run
+    assert isinstance(rolling, BearingPlay), "asked of rolling bearings"
+    if math.isnan(rolling.capacity):
+        notes.append("no fatigue life: its capacity is missing, bearing = { number, capacity }")
+        return math.nan
+    if f"{name}.rate" not in run or not readable(run, f"{name}.force"):
+        return math.nan
+    turns = np.abs(run[f"{name}.rate"]) / (2.0 * math.pi)
+    share = run[f"{name}.force"] ** rolling.exponent * turns
+    return float(case.mean(share) / (MILLION * rolling.capacity**rolling.exponent) / MEDIAN)
 
 
 def _by_map(case: Case) -> tuple[dict[str, float], str]:

@@ -18,6 +18,8 @@ OF_SECTION = {"rectangle": "height", "round": "diameter", "tube": "diameter"}  #
 
 def advice(m: Mechanism, name: str, what: str, hours: float) -> str:
     """A size of the part that fails first, larger by STEP, and how long it lasts then; "" where there is none."""
+    if what != WORN and name in m.model.joints:  # a rolling bearing, whose capacity its catalogue says
+        return ""
     place = _bearing(m, name) if what == WORN else _section(m, name)
     if place is None:
         return ""

@@ -13,7 +13,7 @@ import numpy as np
 
 from rattle.analyses.driver_period import part_of_turn
 from rattle.mechanism import Mechanism
-from rattle.questions.durability.bands import FATIGUE, WEAR
+from rattle.questions.durability.bands import FATIGUE, MEDIAN, ROLLING, WEAR
 from rattle.questions.durability.cases import cases_of
 from rattle.questions.durability.joints import Bearing, bearings
 from rattle.questions.durability.links import Link, links
@@ -37,6 +37,7 @@ class Row(NamedTuple):
     notes: tuple[str, ...] = ()  # why something is nan, and how a life was found
     wear_band: tuple[float, float] = WEAR  # factors that 10 and 90 % reach
     assumed: bool = True  # the model does not say this band
+    fatigue_band: tuple[float, float] = FATIGUE
 
     @property
     def figures(self) -> tuple[float, ...]:
@@ -46,7 +47,7 @@ class Row(NamedTuple):
     @property
     def lives(self) -> tuple[tuple[str, float, tuple[float, float]], ...]:
         """What it fails by, after how many hours, and the factors of its band; without what is nan."""
-        every = ((WORN, self.wear_life, self.wear_band), (TIRED, self.fatigue_life, FATIGUE))
+        every = ((WORN, self.wear_life, self.wear_band), (TIRED, self.fatigue_life, self.fatigue_band))
         return tuple(life for life in every if not math.isnan(life[1]))
 
 
@@ -73,11 +74,13 @@ def rows_of(m: Mechanism) -> Rows:
 def _joint(m: Mechanism, name: str, shares: Sequence[float], cases: Sequence[Bearing]) -> Row:
     limit = m.model.joints[name].wears
     band = limit.band if limit is not None else None
+    fatigue = _life(shares, [case.tired for case in cases])
+    basic = () if math.isnan(fatigue) else (f"rolling bearing: 90 % reach L10 = {fatigue / MEDIAN:.4g} h, ISO 281",)
     return Row(
         name, _most(case.load for case in cases), _most(case.pressure for case in cases),
         _most(case.pv for case in cases), -_most(-case.film for case in cases),
-        _life(shares, [case.wear for case in cases]), notes=_together(cases), wear_band=band or WEAR,
-        assumed=band is None,
+        _life(shares, [case.wear for case in cases]), fatigue, notes=(*_together(cases), *basic),
+        wear_band=band or WEAR, assumed=band is None, fatigue_band=ROLLING,
     )  # fmt: skip
 
 
