@@ -71,6 +71,7 @@ VALUES = {  # values of fields in examples, by unit
 
 
 SIZES = {  # of kinds whose lengths have to suit each other
+    "rolling": {"elements": 9, "element_stiffness": 8e9},
     "locking-disc": {"radius": "30 mm", "arcs": 4, "axle_distance": "70.71 mm", "rim": "50 mm", "play": "0.1 mm"},
 }
 PLATE = """[bodies.plate]
@@ -309,7 +310,9 @@ def _contact(catalog: Any, kind: Any) -> list[str]:
         said = f'{{ model = "{kind.name}"{", " if needed else ""}{needed}, {stiff} }}'
     elif kind.family == "stiffness":
         own = [one for one in _needed(catalog, kind) if not one.split(" = ")[0].endswith(("_material", "_radius"))]
-        geometry = [] if kind.name == "power" else [f'geometry = "{kind.name}"', material]
+        sizes = material if "bush_material" in kind.fields else bush
+        geometry = [] if kind.name == "power" else [f'geometry = "{kind.name}"']
+        geometry += [sizes] if "bush_radius" in kind.fields else []
         said = f'{{ model = "exact", restitution = 0.5, {", ".join([*geometry, *own])} }}'
     else:
         friction = f'{{ model = "{kind.name}"{", " if needed else ""}{needed} }}'

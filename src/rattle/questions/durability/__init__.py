@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     asks="How long joints and links last over duty cases, what fails first, and what would help.",
     order=255,
     wants=(("how long it lasts, and what fails first", "[durability](heat-and-life.md)"),),
-    examples=(("rattle durability F --hours 10000", "m.durability(hours=10000)"),),
+    examples=(("rattle durability wiper --hours 1440", "m.durability(hours=1440)"),),
     arguments={
         "duty": Argument('Cases, "0.7: M=30; 0.3: M=60, speed=20", by their shares of time.'),
         "hours": Argument("Hours that it needs to last."),

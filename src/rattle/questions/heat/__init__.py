@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     asks="How warm joints become by their friction, with oil and play as they are at that temperature.",
     order=245,
     wants=(("how warm its joints become", "[heat](heat-and-life.md)"),),
-    examples=(('rattle heat F --ambient "20 degC" --cooling "pin=2 W/K"', 'm.heat(ambient="20 degC", cooling=...)'),),
+    examples=(('rattle heat press --ambient "25 degC" --cooling "O=5 W/K"', 'm.heat(ambient="25 degC", cooling=...)'),),
     arguments={
         "ambient": Argument("Temperature of the air.", unit="K"),
         "cooling": Argument('Conductance from joints to the air, "pin=2 W/K, slider=1 W/K".'),
