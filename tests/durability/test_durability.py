@@ -2,7 +2,6 @@
 
 import json
 import math
-from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -139,9 +138,6 @@ def test_what_never_moves_never_wears():
 
 
 # ---------------------------------------------------------------- links
-needs_strength = pytest.mark.skipif(find_spec("rattle.questions.strength") is None, reason="no strength of bars")
-
-
 def bar(newton, more="", material=""):
     """A clamped bar of 10 x 10 mm that is drawn and pushed by F sin(pi t) over 2 s: F/100 is its stress in MPa."""
     return rt.loads(f"""
@@ -172,7 +168,6 @@ def runs(newton):
     return 1e6 * (80 / (newton / 100)) ** 5
 
 
-@needs_strength
 def test_a_bar_lasts_as_many_runs_as_its_material_and_miner_adds_up_over_cases():
     d = bar(12000).durability()
     assert cell(d, "bar", "fatigue life") == pytest.approx(runs(12000) * 2 / HOUR, rel=2e-3)  # peaks at outputs
@@ -185,7 +180,6 @@ def test_a_bar_lasts_as_many_runs_as_its_material_and_miner_adds_up_over_cases()
     assert d.first.what == "fatigue"
 
 
-@needs_strength
 def test_a_bar_below_its_endurance_never_tires_and_one_above_its_strength_fails_at_once():
     assert cell(bar(7000).durability(), "bar", "fatigue life") == math.inf
     d = bar(60000).durability()
@@ -193,14 +187,12 @@ def test_a_bar_below_its_endurance_never_tires_and_one_above_its_strength_fails_
     assert "bar fails at once" in d.told
 
 
-@needs_strength
 def test_a_material_without_strengths_leaves_the_life_open_and_says_so():
     d = bar(12000, material="density = 7850").durability()
     assert math.isnan(cell(d, "bar", "fatigue life"))
     assert any("bar: no fatigue life" in remark for remark in d.remarks)
 
 
-@needs_strength
 def test_a_higher_section_is_computed_anew():
     d = bar(12000).durability()
     assert "a height of 12 instead of 10 mm: bar lasts" in d.advice

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from rattle.questions.durability.cases import Case
-
-STRENGTH = "rattle.questions.strength"
+from rattle.questions.strength.compute import Strength, strengths
 
 
 class Link(NamedTuple):
@@ -25,13 +22,10 @@ class Link(NamedTuple):
 
 def links(case: Case) -> dict[str, Link]:
     """What every bar with section and material bears in the run of a case."""
-    if importlib.util.find_spec(STRENGTH) is None:
-        return {}
-    strengths = importlib.import_module(f"{STRENGTH}.compute").strengths(case.run)
-    return {name: _link(case, strength) for name, strength in strengths.items()}
+    return {name: _link(case, strength) for name, strength in strengths(case.run).items()}
 
 
-def _link(case: Case, strength: Any) -> Link:
+def _link(case: Case, strength: Strength) -> Link:
     life, safety = float(strength.life), float(strength.safety)
     notes = []
     if math.isnan(life):
