@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WIDTH, HEIGHT = 7.0, 3.2  # of one block [in]
+FEW_BARS = 5  # places on an axis of bars at least
 
 
 def figure_of(blocks: Sequence[Block]) -> Figure:
@@ -50,6 +51,8 @@ def _bars(ax: Axes, block: Block) -> None:
     places = range(len(block["labels"]))  # two bars may have the same name
     ax.bar(places, block["values"], color=CURVES[0], width=0.6, tick_label=block["labels"])
     ax.set_ylabel(block["y"])
+    beside = 0.5 * max(0, FEW_BARS - len(places))  # few bars are no wider than those of many
+    ax.set_xlim(-0.5 - beside, len(places) - 0.5 + beside)
 
 
 DRAWN = {"curves": _curves, "bars": _bars}
