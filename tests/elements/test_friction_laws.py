@@ -185,6 +185,7 @@ def test_every_kernel_gives_the_same_value_compiled():
     rng = np.random.default_rng(3)
     dz, dz_python = np.zeros(1), np.zeros(1)
     pin = {"bush_radius": 0.01, "clearance": 5e-4, "length": 0.015, "bush_material": "steel", "pin_material": "nylon"}
+    pin |= {"elements": 9.0, "element_stiffness": 8e9, "exponent": 1.5}  # of a rolling bearing
     pin["foundation"] = 1e14
     for found in registry.kinds("stiffness").values():
         p = np.array((0.0, *found.leaf.pack({**pin, "stiffness": 1e9, "exponent": 1.3})))

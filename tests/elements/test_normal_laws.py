@@ -17,6 +17,7 @@ LAWS = registry.kinds("normal")
 STATIC = registry.kinds("stiffness")
 POWER = ("power", {"stiffness": 1.0, "exponent": 1.5})
 PIN = {"bush_radius": 0.01, "clearance": 5e-4, "length": 0.015, "bush_material": "steel", "pin_material": "brass"}
+PIN |= {"elements": 9.0, "element_stiffness": 8e9, "exponent": 1.5}  # of a rolling bearing
 PIN["foundation"] = 1e14  # [Pa/m]
 
 # restitution a free impact returns, for 0.3 and 0.9 asked for: independent reference

@@ -15,6 +15,7 @@ pytestmark = pytest.mark.nojit
 LAWS = registry.kinds("stiffness")
 STEEL = {"E": 207e9, "nu": 0.3}
 PIN = {"bush_radius": 0.01, "clearance": 5e-4, "length": 0.015, "bush_material": STEEL, "pin_material": STEEL}
+PIN |= {"elements": 9.0, "element_stiffness": 8e9, "exponent": 1.5}  # of a rolling bearing
 PIN["foundation"] = 1e14  # [Pa/m]
 POWER = {"stiffness": 6e10, "exponent": 1.5}
 E_STAR = 207e9 / (2 * (1 - 0.3**2))

@@ -12,6 +12,7 @@ from rattle.questions.power.cycle import parts
 from rattle.questions.power.steps import rows_at
 
 SPAN = 0.02  # [s]: some steps of every example
+AT_REST = 1e-13  # [J]: what a mechanism that stands exchanges by rounding
 
 TURNED = """
 format = 1
@@ -79,6 +80,9 @@ def test_power_is_conserved_in_every_example(name):
     largest = float(np.abs(one.peak).max(initial=0.0))
     # accelerations are those of the solve, so that what a body gets is what it keeps, up to rounding
     assert p.residual <= 1e-13 * largest
+    if turnover < AT_REST:
+        assert name == "gripper"  # which hangs where its play lets it
+        return
     # the run has steps to 1e-8, and its own sums of work and losses do not choose them; radau has few of them
     near = 1e-6 if r.provenance["method"] == "radau" else 1e-7
     for k, (body, masses) in enumerate(zip(ports.bodies, ports.system.arrays["mass"][1:], strict=True), 1):

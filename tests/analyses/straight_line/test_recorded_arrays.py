@@ -12,7 +12,9 @@ from rattle.errors import ModelError, TraceError
 
 SHARES = (0.0, 1e-7, -0.003, 0.05, -0.05, 0.3, -0.3)  # changes of a parameter, in shares of it
 ULPS = 8.0  # of an entry: functions of a graph are not those of Python
-LOST = {"cam_lift_off": ("R", "h")}  # the outline of a cam is looked at as a whole
+LOST = {  # the outline of a cam is looked at as a whole, a size that a fit is looked up by stands in no formula
+    "cam_lift_off": ("R", "h"), "gripper": ("d",),
+}  # fmt: skip
 CANCELS = {"rimless_wheel": ("a",)}  # its mass centre is zero but for rounding
 WHOLE = ("ratchet",)  # its number of teeth has to be one
 RARE = (("ratchet", "teeth"), ("bouncing_pin", "mu"))  # whole numbers alone; 0 alone, where there is no friction
