@@ -61,6 +61,20 @@ def test_a_stout_bar_yields_before_it_buckles_and_a_slender_one_does_not():
     assert not any("before it buckles" in remark for remark in slender.remarks)
 
 
+def test_what_leaves_the_theory_of_straight_bars_is_said():
+    rectangle = '{{ shape = "rectangle", width = "5 mm", height = "{} mm" }}'
+    stocky, slender = (borne(beam(section=rectangle.format(height))) for height in (100, 50))
+    assert any("too stocky" in remark and "3 times its height" in remark for remark in stocky.remarks)
+    assert not any("too stocky" in remark for remark in slender.remarks)
+    limit = math.pi**2 * 210e9 * 0.005**4 / 12 / 0.3**2
+    for share, buckles in ((0.9, False), (1.1, True)):
+        s = pressed(-share * limit, rectangle.format(5))
+        assert any(remark.startswith("BUCKLES") for remark in s.remarks) == buckles
+    for share, yields in ((0.9, False), (1.1, True)):
+        s = pressed(share * 300e6 * 25e-6, rectangle.format(5))
+        assert any(remark.startswith("YIELDS") for remark in s.remarks) == yields
+
+
 def test_the_first_bending_frequency_is_that_of_a_uniform_bar_on_pins():
     s = borne(beam(gravity=10.0))
     assert s.frequency == pytest.approx(math.pi / 2 * math.sqrt(E * 1e-8 / 12 / (0.785 * 0.3**4)))

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 NO_PRESS = 1e-9  # share of the largest force below which a compression is rounding
+SLENDER = 5.0  # length over height of a bar below which shear deforms it by more than some per cent of its bending
 FEW_PERIODS = 2.0  # of the first bending vibration: a contact that is shorter makes the bar ring
 FOR_LIFE = {"ultimate": "ultimate", "endurance": "endurance", "exponent": "exponent"}  # keys and fields of a material
 NOT_COMPUTED = "buckling is that in the plane between pinned ends; out of the plane and with other ends: not computed"
@@ -238,7 +239,23 @@ class Strength:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What limits these numbers, and why some are not known."""
-        return tuple(filter(None, (*self._of_numbers(), *self._of_motion())))
+        return tuple(filter(None, (*self._of_theory(), *self._of_numbers(), *self._of_motion())))
+
+    def _of_theory(self) -> Iterable[str]:
+        """Remarks where a slender bar that stays straight and elastic is not what bears."""
+        slender = self.beam.length / self.section.height
+        if slender < SLENDER:
+            yield (
+                f"as long as {slender:.2g} times its height: too stocky for the theory of bars, which leaves out shear"
+                f" deformation and how forces enter (made for {SLENDER:g} times and more)"
+            )
+        if (factor := float(np.nanmin(self.buckling, initial=math.inf))) < 1.0:
+            yield (
+                f"BUCKLES: it is pressed by {1.0 / factor:.3g} times the load of Euler; the numbers are those of a bar"
+                " that stays straight"
+            )
+        if self.safety < 1.0:
+            yield "YIELDS: its stress is above the yield strength; the numbers are those of a bar that stays elastic"
 
     def _of_numbers(self) -> Iterable[str]:
         """Remarks on material, section and mass."""
