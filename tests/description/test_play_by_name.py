@@ -98,6 +98,15 @@ def test_the_contact_takes_the_radius_of_the_fit():
     assert joint(loose(f"clearance = {FIT}", contact)).contact.bush_radius == pytest.approx(4e-3)
 
 
+@pytest.mark.parametrize(("written", "right"), [("4 mm", True), ("4.03 mm", True), ("8 mm", False), ("3.9 mm", False)])
+def test_the_radius_of_a_contact_is_that_of_the_fit(written, right):
+    text = loose(f"clearance = {FIT}", f'{{ model = "impact", restitution = 0.5, bush_radius = "{written}" }}')
+    if right:
+        assert joint(text).radius == pytest.approx(4e-3, rel=0.01)
+    else:
+        refused(text, "bush_radius: half of the diameter of the fit is 4 mm, not")
+
+
 # ---------------------------------------------------------------- heat
 def test_play_follows_heat_by_the_difference_of_expansions():
     warm = joint(loose(f"clearance = {FIT[:-1]}, {WARM} }}")).clearance

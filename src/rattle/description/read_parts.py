@@ -53,6 +53,7 @@ from rattle.registry import Field
 Target = tuple[registry.Kind[DriverKind], str, Point | None, str]  # kind of driver, joint, point, what is driven
 NOWHERE = Point("", "", (math.nan, math.nan))
 OF_CONTACT = "the friction of a {} belongs to its contact: contact = {{ model, friction, ... }}"
+ALIKE = 0.01  # share by which the radius of a bush may differ from that of its fit
 LIFTS = "a {} joint with a contact may lift off, and has no friction; leave one of them out"
 
 
@@ -104,6 +105,14 @@ def _with_bush(table: Table, radius: float) -> Table:
     if kind is not None and not kind.leaf.contacts:
         return table
     return {**table, "contact": {**contact, "bush_radius": radius}}
+
+
+def _require_bush_of_fit(values: Values, contact: Contact | None, radius: float, path: Path) -> None:
+    """Say what differs if a contact says another radius of the bush than the fit [m], which is nan without one."""
+    stated = math.nan if contact is None or not contact.bush_radius else bare(contact.bush_radius)
+    if abs(stated - bare(radius)) > ALIKE * bare(radius):
+        half = f"half of the diameter of the fit is {1e3 * bare(radius):.6g} mm, not {1e3 * stated:.6g} mm"
+        values.wrong((*path, "contact", "bush_radius"), f"{half}; leave it out, the fit says it")
 
 
 def _radius(kind: registry.Kind[JointKind], contact: Contact | None, friction: JointFriction | None) -> float:
@@ -222,6 +231,7 @@ class Parts(FieldReader):
         play_read = read_play(self, name, table, named, kind_wears(kind), path)
         clearance, table = play_read.clearance, _with_bush(table, play_read.radius)
         contact = self._contact(table, kind, fields, clearance, path)
+        _require_bush_of_fit(values, contact, play_read.radius, path)
         clearance = 0.0 if clearance is None else clearance
         if len(values.problems) == before:
             contact = self._passing(kind, fields, clearance, contact, path)
