@@ -121,7 +121,7 @@ def test_a_mean_that_presses_gives_no_credit():
     assert about[0] == about[1] < about[2]
 
 
-@pytest.mark.parametrize("history", [[700e6, -700e6], [600e6, 500e6], [520e6, 100e6]])
+@pytest.mark.parametrize("history", [[700e6, -700e6], [600e6, 500e6], [520e6, 100e6], [600e6, 600e6], [600e6]])
 def test_a_cycle_that_reaches_the_ultimate_strength_breaks_at_once(history):
     assert damage(np.array(history), IRONLIKE) == math.inf
 

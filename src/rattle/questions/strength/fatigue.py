@@ -92,6 +92,8 @@ def _cycle(first: float, second: float, count: float) -> Cycle:
 def damage(history: Array, endured: Endurance) -> float:
     """Miner's sum of one run of a history of stress (n,) [Pa] that repeats; inf where a single cycle breaks it."""
     most, least = float(history.max()), float(history.min())
+    if most >= endured.ultimate:  # a steady stress too, which has no cycle
+        return math.inf
     worst = float(equivalent(np.array([0.5 * (most - least)]), np.array([most]), endured.ultimate)[0])
     if worst <= endured.amplitude:  # so is each of its cycles, none of which has a larger range or a larger mean
         return 0.0
