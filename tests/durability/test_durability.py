@@ -105,6 +105,17 @@ def test_the_film_is_its_least_thickness_over_the_roughness():
     assert want <= run["B.lambda_ratio"].min() * (1 + 1e-9)
 
 
+@pytest.mark.parametrize("place", ["contact.length", "length"])
+def test_the_length_of_a_bearing_with_play_is_known_wherever_it_is_written(place):
+    m = rt.example("slider_crank_worn")
+    joint, contact = "joints.B", dict(m._document["joints"]["B"]["contact"])
+    contact = {"model": "lankarani-nikravesh", "restitution": 0.8, "bush_radius": contact["bush_radius"]}
+    contact |= {"bush_material": "steel", "pin_material": "steel"}
+    m = m.set({f"{joint}.contact": contact, f"{joint}.{place}": "15 mm", f"{joint}.wear": {"bush": 1e-16}})
+    assert m.model.joints["B"].length == pytest.approx(0.015)
+    assert m.model.joints["B"].wear.length == pytest.approx(0.015)
+
+
 def test_a_joint_with_play_lasts_as_long_as_its_map_says():
     limit, jump = 5e-6, 4e4
     m = rt.example("slider_crank_worn").set({"joints.B.wear.limit": limit, "joints.B.wear.jump": jump})

@@ -246,9 +246,9 @@ class Parts(FieldReader):
             friction = self._friction(table, kind, (fields, sound), block, (clearance, contact), path)
         if contact is not None and contact.rolling > 0.0:
             friction = rolling_friction(contact, fields["roller"])
-        wear, contact = read_wear(self, table, kind, clearance, contact, (*path, "wear"))
+        wear, contact = read_wear(self, table, kind, clearance, contact, bearing, (*path, "wear"))
         radius = _radius(kind, contact, friction)
-        length = _length(bearing, contact)
+        length = _length(bearing, contact) if wear is None or bearing is not None else wear.length
         wears = None
         if wear is not None or not clearance > 0.0:
             wears = read_limit(self, table, kind, wear, radius, (*path, "wear"))

@@ -21,17 +21,18 @@ SUNK = 0.01  # penetration over clearance at which the foundation is fitted to t
 
 def read_wear(
     reader: FieldReader, table: Table, joint: registry.Kind[JointKind], clearance: float, contact: Contact | None,
-    path: Path,
+    bearing: float | None, path: Path,
 ) -> tuple[Wear | None, Contact | None]:  # fmt: skip
     """The wear of one joint, None if it has none or after a problem; and its contact, of which it uses the length.
 
-    clearance [m], 0 if there is none; table: the joint as it is written.  Without clearance only its limit counts.
+    clearance [m], 0 if there is none; table: the joint as it is written; bearing: the length that the joint itself
+    says [m], which counts where its contact says none.  Without clearance only its limit counts.
     """
     if "wear" not in table or ("length" in table and not clearance > 0.0):
         return None, contact
     if contact is not None:
         contact = replace(contact, unused=tuple(key for key in contact.unused if key != "length"))
-    return _wear(reader, table["wear"], joint, clearance, contact, table.get("contact"), path), contact
+    return _wear(reader, table["wear"], joint, clearance, contact, (table.get("contact"), bearing), path), contact
 
 
 def read_limit(
@@ -65,9 +66,9 @@ def read_limit(
 
 def _wear(
     reader: FieldReader, written: object, joint: registry.Kind[JointKind], clearance: float, contact: Contact | None,
-    of_contact: object, path: Path,
+    written_length: tuple[object, float | None], path: Path,
 ) -> Wear | None:  # fmt: skip
-    """The wear as it is written; of_contact: the contact as it is written."""
+    """The wear as it is written; written_length: the contact as it is written, and the length of the joint itself."""
     values = reader.values
     if not _may_wear(reader, joint, clearance, path):
         return None
@@ -83,7 +84,7 @@ def _wear(
     if len(values.problems) > before or contact is None:
         return None
     bed, assumed = layer if layer == layer else read["foundation"], ""
-    sizes = _sizes(reader, contact, of_contact, (*path[:-1], "contact"))
+    sizes = _sizes(reader, contact, written_length, (*path[:-1], "contact"))
     if sizes is None:
         return None
     radius, length = sizes
@@ -156,18 +157,23 @@ def _layer(reader: FieldReader, table: Table, path: Path) -> float:
     return as_number((1.0 - nu) * read["E"] / ((1.0 + nu) * (1.0 - 2.0 * nu) * read["thickness"]))
 
 
-def _sizes(reader: FieldReader, contact: Contact, written: object, path: Path) -> tuple[float, float] | None:
+def _sizes(
+    reader: FieldReader, contact: Contact, written: tuple[object, float | None], path: Path
+) -> tuple[float, float] | None:
     """Radius of the bush and length of the contact [m]; None after a problem.
 
     Contacts without a law, in which nothing can wear as they are, need neither.
     """
     radius, static = contact.bush_radius, contact.static
     length = static.number("length") if static is not None and "length" in static.values else None
-    table = written if isinstance(written, Mapping) else {}
+    of_contact, bearing = written
+    table = of_contact if isinstance(of_contact, Mapping) else {}
     if contact.film is not None:
         length = contact.film.law.number("length")
     elif length is None and "length" in table:
         length = reader.values.value(table["length"], "m", (*path, "length"), "positive")
+    elif length is None:
+        length = bearing
     if contact.normal is None:
         return radius, math.nan if length is None else float(length)
     missing = [key for key, size in (("bush_radius", radius), ("length", length)) if not size]
