@@ -98,6 +98,11 @@ def test_the_contact_takes_the_radius_of_the_fit():
     assert joint(loose(f"clearance = {FIT}", contact)).contact.bush_radius == pytest.approx(4e-3)
 
 
+@pytest.mark.parametrize("contact", ['"ideal"', '"massless-link"', '{ model = "impact", restitution = 0.5 }'])
+def test_the_radius_of_a_joint_is_that_of_its_fit_whatever_its_contact(contact):
+    assert joint(loose(f"clearance = {FIT}", contact)).radius == pytest.approx(4e-3)
+
+
 @pytest.mark.parametrize(("written", "right"), [("4 mm", True), ("4.03 mm", True), ("8 mm", False), ("3.9 mm", False)])
 def test_the_radius_of_a_contact_is_that_of_the_fit(written, right):
     text = loose(f"clearance = {FIT}", f'{{ model = "impact", restitution = 0.5, bush_radius = "{written}" }}')

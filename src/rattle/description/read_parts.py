@@ -248,6 +248,7 @@ class Parts(FieldReader):
             friction = rolling_friction(contact, fields["roller"])
         wear, contact = read_wear(self, table, kind, clearance, contact, bearing, (*path, "wear"))
         radius = _radius(kind, contact, friction)
+        radius = play_read.radius if math.isnan(bare(radius)) else radius
         length = _length(bearing, contact) if wear is None or bearing is not None else wear.length
         wears = None
         if wear is not None or not clearance > 0.0:
