@@ -103,6 +103,14 @@ def test_the_radius_of_a_joint_is_that_of_its_fit_whatever_its_contact(contact):
     assert joint(loose(f"clearance = {FIT}", contact)).radius == pytest.approx(4e-3)
 
 
+def test_a_guide_has_a_fit_of_its_widths_and_no_bush():
+    guide = 'type = "prismatic", axis = 0, block = { length = "20 mm", height = "8 mm" }'
+    text = loose(f"clearance = {FIT}", '{ model = "impact", restitution = 0.5 }')
+    block = joint(text.replace('type = "revolute"', guide).replace('drivers.hold = { body = "pin"', "# {"))
+    assert block.clearance == pytest.approx(8.5e-6)
+    assert math.isnan(block.radius)
+
+
 @pytest.mark.parametrize(("written", "right"), [("4 mm", True), ("4.03 mm", True), ("8 mm", False), ("3.9 mm", False)])
 def test_the_radius_of_a_contact_is_that_of_the_fit(written, right):
     text = loose(f"clearance = {FIT}", f'{{ model = "impact", restitution = 0.5, bush_radius = "{written}" }}')

@@ -229,9 +229,10 @@ class Parts(FieldReader):
         if "contact" in table:
             kind, fields = self._lifting(kind, fields, path)
         play_read = read_play(self, name, table, named, kind_wears(kind), path)
-        clearance, table = play_read.clearance, _with_bush(table, play_read.radius)
+        bush = play_read.radius if play is not None and play.leaf.has_radius else math.nan
+        clearance, table = play_read.clearance, _with_bush(table, bush)
         contact = self._contact(table, kind, fields, clearance, path)
-        _require_bush_of_fit(values, contact, play_read.radius, path)
+        _require_bush_of_fit(values, contact, bush, path)
         clearance = 0.0 if clearance is None else clearance
         if len(values.problems) == before:
             contact = self._passing(kind, fields, clearance, contact, path)
@@ -248,7 +249,7 @@ class Parts(FieldReader):
             friction = rolling_friction(contact, fields["roller"])
         wear, contact = read_wear(self, table, kind, clearance, contact, bearing, (*path, "wear"))
         radius = _radius(kind, contact, friction)
-        radius = play_read.radius if math.isnan(bare(radius)) else radius
+        radius = bush if math.isnan(bare(radius)) else radius
         length = _length(bearing, contact) if wear is None or bearing is not None else wear.length
         wears = None
         if wear is not None or not clearance > 0.0:
