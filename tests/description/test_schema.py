@@ -82,6 +82,11 @@ def test_every_distribution_is_accepted(validator, dist):
     validator.validate(document)
 
 
+def test_names_of_materials_and_of_diameters_are_accepted(validator):
+    steel = {"forged steel": {"E": "207 GPa"}}
+    validator.validate({**FOURBAR, "materials": steel, "parameters": {**FOURBAR["parameters"], "O.bore": "12 um"}})
+
+
 def test_groups_of_tolerances_are_accepted(validator):
     validator.validate({**FOURBAR, "tolerances": {"groups": [["r3", "r4"]]}})
 

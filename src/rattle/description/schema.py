@@ -54,7 +54,7 @@ def part(entry: Part) -> Schema:
         words = {"adaptive": steppers(True), "equal": steppers(False)} if "{adaptive}" in entry.meaning else {}
         return of.field(replace(entry, meaning=entry.meaning.format(**words)) if words else entry)
     if isinstance(entry, Named):
-        return of.named(part(entry.entry), entry.meaning)
+        return of.named(part(entry.entry), entry.meaning, entry.names)
     if isinstance(entry, OfKinds):
         return {"anyOf": _entries(entry)}
     if isinstance(entry, Either):
@@ -171,7 +171,7 @@ def _contact(
     every = {key: value for key, value in every.items() if key not in without}
     tables = []
     for kind in oiled:
-        needed = ["model", "bush_radius", *_needed_by_all(registry.kinds("film").values())]
+        needed = ["model", *_needed_by_all(registry.kinds("film").values())]
         tables.append(of.table({"model": of.choice(kind), **every, **of.fields(kind)}, dict.fromkeys(needed)))
     for law in (*(dry for dry in plain.values() if not dry.leaf.oiled), *laws.values()):
         own_fields = {key: field for key, field in of.fields(law).items() if key != "friction" and key not in without}

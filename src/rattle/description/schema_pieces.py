@@ -35,11 +35,11 @@ def table(properties: Mapping[str, Schema], needed: Iterable[str] = (), meaning:
     return schema | ({"description": meaning} if meaning else {})
 
 
-def named(entry: Schema, meaning: str) -> Schema:
-    """A table whose keys are names chosen by the user."""
+def named(entry: Schema, meaning: str, names: str = NAME) -> Schema:
+    """A table whose keys are names chosen by the user, of this pattern."""
     return {
         "type": "object",
-        "propertyNames": {"pattern": NAME},
+        "propertyNames": {"pattern": names},
         "additionalProperties": entry,
         "description": meaning,
     }

@@ -50,12 +50,16 @@ class Either:
     meaning: str = ""
 
 
+OF_PARAMETERS = r"^[A-Za-z_][A-Za-z0-9_]*([.](bore|pin|play))?$"  # with those of fits and bearings
+
+
 @dataclass(frozen=True)
 class Named:
     """A table whose keys are names that the user chooses, each for an entry of this form."""
 
     entry: Part
     meaning: str
+    names: str = r"^[A-Za-z_][A-Za-z0-9_]*$"  # pattern of the names
 
 
 @dataclass(frozen=True)
@@ -453,7 +457,7 @@ MODEL = Form(
         "format": Field("", "version of the format", shape="version"),
         "name": Field("", "title", None, shape="title"),
         "gravity": Field("m/s^2", "acceleration of gravity, also as a function of t", None, shape="pair", live=True),
-        "parameters": Named(Either((VALUE, PARAMETER)), "values that expressions use"),
+        "parameters": Named(Either((VALUE, PARAMETER)), "values that expressions use", OF_PARAMETERS),
         "tolerances": TOLERANCES,
         "tables": Named(TABLE, "functions of one number that expressions use: lift(x)"),
         "signals": Named(
@@ -461,7 +465,7 @@ MODEL = Form(
         ),
         "states": Named(STATE, "first-order states of the model's own, usable like signals"),
         "ground": GROUND,
-        "materials": Named(MATERIAL_OF_MODEL, "materials by name, for bars and bushes"),
+        "materials": Named(MATERIAL_OF_MODEL, "materials by name, for bars and bushes", "."),
         "bodies": Named(Either((BAR, PLATE, BODY)), "rigid bodies"),
         "joints": Named(OfKinds("joint", common=JOINT), "joints"),
         "drivers": Named(OfKinds("driver", "", DRIVER), "degrees of freedom that follow a function of time"),
