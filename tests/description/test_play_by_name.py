@@ -224,3 +224,27 @@ def test_check_names_every_figure_with_its_source():
     assert "ISO VG 46 at 60 degC: 17.41 mPa*s" in told
     assert "assumed: viscosity index 95" in told
     assert "6208 C3: radial play 7.5 to 16.5 um" in str(rt.loads(loose('bearing = "6208 C3"')).check())
+
+
+@pytest.mark.parametrize(
+    ("clearance", "words"),
+    [
+        ('"H7/g6 8 mm"', 'a fit is written as { fit = "H7/g6", diameter = "8 mm" }'),
+        ('"H7/g6"', "a fit is written as"),
+        ('{ radial = "10 um", dist = "normal" }', "both diameters of a fit"),
+    ],
+)
+def test_other_ways_to_write_a_play_are_led_to_the_right_one(clearance, words):
+    refused(loose(f"clearance = {clearance}"), words)
+
+
+def test_a_diameter_of_a_fit_that_is_gone_is_told():
+    m = rt.loads(loose(f"clearance = {FIT}")).set({"O.bore": "12 um"})
+    with pytest.raises(ModelError, match="of a fit or a bearing that joint 'O' has not"):
+        m.set({"joints.O.clearance": "0.1 mm"})
+
+
+def test_diameters_may_be_made_together():
+    groups = '\n[tolerances]\ngroups = [["O.bore", "O.pin"]]\n'
+    table = rt.loads(loose(f"clearance = {FIT}") + groups).ensemble(32, ["max(O.ex)"], t_end=1e-6).table
+    assert abs(np.corrcoef(table["O.bore"], table["O.pin"])[0, 1]) > 0.999

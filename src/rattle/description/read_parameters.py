@@ -10,7 +10,7 @@ from dataclasses import replace
 from rattle.description.dependence import describe_cycle, in_order
 from rattle.description.model import Parameter, ValueTable, within_limits
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_play import hidden_names, hidden_parameters
+from rattle.description.read_play import FITTED, ROLLING, hidden_names, hidden_parameters
 from rattle.description.read_values import TooManyProblems, Values, expected, quoted
 from rattle.description.reading import Path, Table, section
 from rattle.description.tables import DISTRIBUTION, LIKELY, PARAMETER, TOLERANCES, VALUE
@@ -27,6 +27,11 @@ def read_parameters(values: Values, document: Table) -> dict[str, Parameter]:
     hidden = hidden_names(document)
     for name, entry in table.items():
         path: Path = ("parameters", name)
+        joint, dot, key = name.partition(".")
+        if dot and name not in hidden and key in (*FITTED, *ROLLING) and joint in section(document, "joints"):
+            values.wrong(path, f"is of a fit or a bearing that joint '{joint}' has not; leave it out", at_key=True)
+            values.broken.add(name)
+            continue
         if name not in hidden:
             values.name(name, path)
         if not isinstance(entry, Mapping):

@@ -7,6 +7,7 @@ nominal size.  A rolling bearing has one, `<joint>.play`.  They are varied as al
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
@@ -22,6 +23,7 @@ from rattle.language.recorded import bare
 
 ROOM = 293.15  # temperature at which drawings hold [K], ISO 1
 COLDEST = 150.0  # [K]; colder is a slip: a number of degC that was written without its unit
+_FITTED = re.compile(r"\s*([A-Za-z]{1,2}\d{1,2}/[A-Za-z]{1,2}\d{1,2})\s*(\S.*)?")  # "H7/g6", "H7/g6 8 mm"
 FITTED, ROLLING = ("bore", "pin"), ("play",)  # hidden parameters
 
 
@@ -125,12 +127,19 @@ def read_play(reader: FieldReader, joint: str, table: Table, kind: str, may: boo
     if "bearing" in table:
         return _rolling(values, joint, table, kind, may, path)
     written, here = table.get("clearance"), (*path, "clearance")
+    if isinstance(written, str) and (fitted := _FITTED.fullmatch(written)):
+        size = fitted[2] or "8 mm"
+        values.wrong(here, f'a fit is written as {{ fit = "{fitted[1]}", diameter = "{size}" }}')
+        return Play(math.nan)
     if not isinstance(written, Mapping):
         return Play(reader.field(CLEARANCE, "clearance", table, {}, path))
     before = len(values.problems)
     read = reader.form(PLAY, written, here)
     if not any(key in written for key in ("fit", "radial")):
         values.wrong(here, 'needs fit = "H7/g6" with its diameter, or radial = "10 um"')
+    if "dist" in written and "fit" not in written:
+        why = "is that of both diameters of a fit; give a stated play a parameter with tol and dist"
+        values.wrong((*here, "dist"), why, at_key=True)
     if "fit" in written and "radial" in written:
         values.wrong((*here, "radial"), "give a fit or a radial play, not both", at_key=True)
     named = values.plays.get(joint) if "fit" in written else None

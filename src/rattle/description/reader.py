@@ -104,7 +104,7 @@ def _read(document: Table, values: Values) -> Model:
     initial, settings = _initial(values, document, parts), _settings(parts, document)
     _picture(parts, document)
     duty = read_duty(values, document, parameters)
-    heat = read_heat(parts, document, {*parts.joints, *parts.broken_joints})
+    heat = read_heat(parts, document, dict.fromkeys([*parts.joints, *sorted(parts.broken_joints)]))
     require_mass_at_contacts(values, parts.bodies, parts.joints)
     rates = [state.rate for state in states.values()]
     pulls, of_pulls = forces(parts.loads)

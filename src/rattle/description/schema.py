@@ -158,6 +158,9 @@ def _own_friction(joint: Kind[JointKind]) -> Schema:
     return {"anyOf": [*number, *tables], "description": JOINT_FRICTION.meaning}
 
 
+OF_NAMES = ("viscosity", "bush_radius")  # what a named oil and a fit say
+
+
 def _contact(
     models: Collection[str] | None = None,
     without: Collection[str] = (),
@@ -172,7 +175,9 @@ def _contact(
     tables = []
     for kind in oiled:
         needed = ["model", *_needed_by_all(registry.kinds("film").values())]
+        needed = [key for key in needed if key not in OF_NAMES]
         tables.append(of.table({"model": of.choice(kind), **every, **of.fields(kind)}, dict.fromkeys(needed)))
+        tables[-1] |= {"if": {"not": {"required": ["oil"]}}, "then": {"required": ["viscosity"]}}
     for law in (*(dry for dry in plain.values() if not dry.leaf.oiled), *laws.values()):
         own_fields = {key: field for key, field in of.fields(law).items() if key != "friction" and key not in without}
         keys, needed = {"model": of.choice(law), **every, **own_fields}, of.needed(law)

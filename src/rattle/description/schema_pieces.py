@@ -15,6 +15,7 @@ from rattle.description.tables import (
     DISTRIBUTIONS,
     DUTY_CASE,
     MATERIAL,
+    OF_PARAMETERS,
     SECTION_NUMBERS,
     SECTION_SHAPES,
     Part,
@@ -106,7 +107,7 @@ def _steppers(field: Field) -> Schema:
 
 
 def _group(field: Field) -> Schema:
-    return array({**array({"type": "string", "pattern": NAME}, 2), "uniqueItems": True})
+    return array({**array({"type": "string", "pattern": OF_PARAMETERS}, 2), "uniqueItems": True})
 
 
 RING = array(vector("m", "corner"), 3)

@@ -34,8 +34,9 @@ def durability(
 
     duty: cases, [{"share": 0.7, "set": {"M": 30}}, ...] or "0.7: M=30; 0.3: M=60", shares of time in proportion
     (default: [duty] of the model, else the model as it is).  hours: that it needs to last, to compare with.
-    `d.table`, one row per joint and link: load [N], pressure [Pa], pv [Pa m/s], film (least thickness over
-    roughness), wear life [h], fatigue life [h], safety; nan where something is missing, which `d.remarks` says.
+    `d.table`, one row per joint and link: load [N], pressure and shear of its pin [Pa], pv [Pa m/s], film (least
+    thickness over roughness), wear life [h], fatigue life [h], safety; nan where something is missing, which
+    `d.remarks` says.
     `d.first` (name, what, hours), `d.bands` (10, 50, 90 % of the first failure [h]), `d.advice`, `d.plot()`.
     Raises ModelError, InputError for cases that make no sense, SolverError for a run that fails.
 

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
-HEAD = ("", "load", "pressure", "PV", "film", "wear life", "fatigue life", "safety")
-COLUMNS = ("load", "pressure", "pv", "film", "wear life", "fatigue life", "safety")
-UNITS = ("N", "Pa", "Pa*m/s", "", "s", "s", "")
+HEAD = ("", "load", "pressure", "shear of pin", "PV", "film", "wear life", "fatigue life", "safety")
+COLUMNS = ("load", "pressure", "shear of pin", "pv", "film", "wear life", "fatigue life", "safety")
+UNITS = ("N", "Pa", "Pa", "Pa*m/s", "", "s", "s", "")
 NOTHING = "nothing"
 
 
@@ -64,8 +64,10 @@ class Durability(Answer):
 
     @cached_property
     def table(self) -> DataFrame:
-        """pandas.DataFrame by names of joints and links: load [N], pressure [Pa], pv [Pa m/s], film (least thickness
-        over roughness), wear life and fatigue life [h], safety; nan where not known.  Raises MissingPackage.
+        """pandas.DataFrame by names of joints and links: load [N], pressure and shear of the pin [Pa], pv [Pa m/s],
+        film (least thickness over roughness), wear life and fatigue life [h], safety; nan where not known.
+
+        Raises MissingPackage.
         """
         columns = {column: [row.figures[k] for row in self.rows] for k, column in enumerate(COLUMNS)}
         frame: DataFrame = package("pandas", "a table of lives").DataFrame(columns, [row.name for row in self.rows])
@@ -164,7 +166,8 @@ def _told_bands(first: First, middle: Bands) -> str:
 def _shown(row: Row) -> tuple[str, ...]:
     """A row of the table for people."""
     sizes = (
-        quantity(row.load, "N", 5), quantity(row.pressure, "Pa", usual="MPa"), f"{1e-6 * row.pv:.4g} MPa*m/s",
+        quantity(row.load, "N", 5), quantity(row.pressure, "Pa", usual="MPa"),
+        quantity(row.shear, "Pa", usual="MPa"), f"{1e-6 * row.pv:.4g} MPa*m/s",
         f"{row.film:.3g}", _hours(row.wear_life), _hours(row.fatigue_life), f"{row.safety:.3g}",
     )  # fmt: skip
     return (row.name, *("-" if math.isnan(value) else size for value, size in zip(row.figures, sizes, strict=True)))

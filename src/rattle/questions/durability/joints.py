@@ -1,6 +1,7 @@
 """What a joint bears in a run, and how fast it wears.
 
     p = F/(2 R L)      v = R |w|      depth lost per time = k p v, of its mean over time
+    tau = F/(pi r^2), one plane of the pin of radius r cut
 
 Source: Archard, J. Appl. Phys. 24 (1953) 981-988; ISO 281 for rolling bearings.
 """
@@ -33,6 +34,7 @@ class Bearing(NamedTuple):
 
     load: float  # largest force [N]
     pressure: float  # at that force [Pa]
+    shear: float  # of the pin then, where one plane of it is cut [Pa]
     pv: float  # time mean of p |v| [Pa m/s]
     film: float  # least film thickness over roughness
     wear: float  # depth lost per time over the depth that is allowed [1/s]
@@ -76,7 +78,8 @@ def _bearing(case: Case, name: str, mapped: Mapping[str, float], mapping: str) -
     elif pinned and not isinstance(joint.named, BearingPlay):
         notes.append("no wear life: it does not say how it wears, wear = { bush, limit }")
     tired = _tired(case, name, notes) if isinstance(joint.named, BearingPlay) else math.nan
-    return Bearing(load, load / (2.0 * radius * length), pv, ratio, wear, tired, tuple(notes))
+    shear = load / (math.pi * (radius - bare(joint.clearance)) ** 2)
+    return Bearing(load, load / (2.0 * radius * length), shear, pv, ratio, wear, tired, tuple(notes))
 
 
 def _tired(case: Case, name: str, notes: list[str]) -> float:

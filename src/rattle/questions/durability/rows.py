@@ -29,6 +29,7 @@ class Row(NamedTuple):
     name: str
     load: float  # largest of all cases [N]
     pressure: float = NAN  # then [Pa]
+    shear: float = NAN  # of its pin then, one plane of it cut [Pa]
     pv: float = NAN  # of the worst case [Pa m/s]
     film: float = NAN  # least of all cases, thickness over roughness
     wear_life: float = NAN  # [h]
@@ -41,8 +42,10 @@ class Row(NamedTuple):
 
     @property
     def figures(self) -> tuple[float, ...]:
-        """Load, pressure, PV, film, wear life, fatigue life and safety."""
-        return self.load, self.pressure, self.pv, self.film, self.wear_life, self.fatigue_life, self.safety
+        """Load, pressure, shear, PV, film, wear life, fatigue life and safety."""
+        return (
+            self.load, self.pressure, self.shear, self.pv, self.film, self.wear_life, self.fatigue_life, self.safety,
+        )  # fmt: skip
 
     @property
     def lives(self) -> tuple[tuple[str, float, tuple[float, float]], ...]:
@@ -78,7 +81,7 @@ def _joint(m: Mechanism, name: str, shares: Sequence[float], cases: Sequence[Bea
     basic = () if math.isnan(fatigue) else (f"rolling bearing: 90 % reach L10 = {fatigue / MEDIAN:.4g} h, ISO 281",)
     return Row(
         name, _most(case.load for case in cases), _most(case.pressure for case in cases),
-        _most(case.pv for case in cases), -_most(-case.film for case in cases),
+        _most(case.shear for case in cases), _most(case.pv for case in cases), -_most(-case.film for case in cases),
         _life(shares, [case.wear for case in cases]), fatigue, notes=(*_together(cases), *basic),
         wear_band=band or WEAR, assumed=band is None, fatigue_band=ROLLING,
     )  # fmt: skip
