@@ -95,6 +95,7 @@ def test_forces_explain_the_motion_of_every_body_without_loads(runs, name):
     """m a = m g + sum of joint forces, J alpha = their moments about the mass centre: Newton, Euler."""
     r, model = runs[name], rt.example(name).model
     loaded = {one.a.body for one in model.loads.values()} | {one.b.body for one in model.loads.values()}
+    loaded |= {driver.point.body for driver in model.drivers.values() if driver.point is not None}
     for form in r.geometry["joints"].values():
         loaded |= set() if form["contact"] in WORKLESS else set(form["bodies"])
     for body in model.bodies.keys() - loaded:
