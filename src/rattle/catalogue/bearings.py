@@ -83,17 +83,17 @@ def _by_number(written: object) -> BearingPlay:
     if not isinstance(written, str):
         raise WrongType(f"bearing: {EXAMPLE}; got {written!r:.40}")
     number, *others = _parts(written)
-    said = f"bearing '{shown(written.strip()[:LONGEST])}'"
+    label = f"bearing '{shown(written.strip()[:LONGEST])}'"
     group = ""
     for part in others:
         if _SUFFIX.fullmatch(part):
             continue
         if group or not part.startswith("C"):
             what = "a second group of play" if group and part in GROUPS else "nothing that is known behind a number"
-            raise InputError(f'{said}: {part} is {what}; for others write {{ bore = "40 mm", group = "C3" }}')
+            raise InputError(f'{label}: {part} is {what}; for others write {{ bore = "40 mm", group = "C3" }}')
         group = part
-    _require_group(group or NORMAL, said)
-    return _play(BALL, _bore_of(number, said), group or NORMAL, " ".join([number, *([group] if group else [])]), said)
+    _require_group(group or NORMAL, label)
+    return _play(BALL, _bore_of(number, label), group or NORMAL, " ".join([number, *([group] if group else [])]), label)
 
 
 def _parts(written: str) -> list[str]:
@@ -106,14 +106,14 @@ def _parts(written: str) -> list[str]:
     return parts
 
 
-def _bore_of(number: str, said: str) -> float:
+def _bore_of(number: str, label: str) -> float:
     """The bore [mm] that a number says.  Raises InputError for numbers of other bearings."""
     if match := _LONG.fullmatch(number):
         return FIRST_BORES.get(match[1], STEP * int(match[1]))
     if (match := _SHORT.fullmatch(number)) and match[1] != "0":
         return float(match[1])
     raise InputError(
-        f"{said}: '{shown(number[:LONGEST])}' is no number of a deep-groove ball bearing (series {SERIES});"
+        f"{label}: '{shown(number[:LONGEST])}' is no number of a deep-groove ball bearing (series {SERIES});"
         ' for others write { bore = "40 mm", group = "C3", kind = "ball" or "roller" }'
     )
 
@@ -155,15 +155,15 @@ def _by_bore(written: Mapping[str, Any]) -> BearingPlay:
     return _play(kind, size, group, title, f"bearing of {size:.9g} mm bore")
 
 
-def _require_group(group: object, said: str) -> None:
+def _require_group(group: object, label: str) -> None:
     """Raise InputError for an unknown group of play."""
     if group not in GROUPS:
-        raise InputError(f"{said}: unknown group of play {group!r:.40}; expected one of {', '.join(GROUPS)}")
+        raise InputError(f"{label}: unknown group of play {group!r:.40}; expected one of {', '.join(GROUPS)}")
 
 
-def _play(kind: str, bore: float, group: str, title: str, said: str) -> BearingPlay:
+def _play(kind: str, bore: float, group: str, title: str, label: str) -> BearingPlay:
     """The figures of a table.  Raises InputError where it has none for this bore [mm]."""
-    row = _row(kind, bore, said)
+    row = _row(kind, bore, label)
     least, largest = float(row[f"{group}_min"]), float(row[f"{group}_max"])
     return BearingPlay(
         in_metres((least + largest) / 4.0), in_metres((largest - least) / 4.0), bore / 1e3, group,
@@ -171,7 +171,7 @@ def _play(kind: str, bore: float, group: str, title: str, said: str) -> BearingP
     )  # fmt: skip
 
 
-def _row(kind: str, bore: float, said: str) -> Row:
+def _row(kind: str, bore: float, label: str) -> Row:
     """The row of a table whose range has this bore [mm], over the first figure up to and including the other."""
     table = rows(KINDS[kind])
     for row in table:
@@ -179,5 +179,5 @@ def _row(kind: str, bore: float, said: str) -> Row:
             return row
     low, high = float(table[0]["over_mm"]), float(table[-1]["to_mm"])
     if bore > high:
-        raise InputError(f"{said}: no checked table above {high:g} mm for a {WORDS[kind]}; give `clearance`")
-    raise InputError(f"{said}: no table for a {WORDS[kind]} of {bore:.9g} mm bore: it starts above {low:g} mm")
+        raise InputError(f"{label}: no checked table above {high:g} mm for a {WORDS[kind]}; give `clearance`")
+    raise InputError(f"{label}: no table for a {WORDS[kind]} of {bore:.9g} mm bore: it starts above {low:g} mm")

@@ -126,33 +126,33 @@ def _halves(text: str) -> tuple[tuple[str, str], tuple[str, str]]:
     if not isinstance(text, str):
         raise WrongType(f"a fit is a text such as 'H7/g6'; got {text!r:.40}")
     tight = "".join(text.split())
-    said = f"'{shown(tight[:LONGEST])}'"
+    label = f"'{shown(tight[:LONGEST])}'"
     if not tight:
         raise InputError(f"the text of a fit is empty: {EXPECTED}")
     parts = tight.split("/")
     if len(parts) != 2:
         what = "has no shaft" if len(parts) == 1 else f"has {len(parts)} parts"
-        raise InputError(f"{said} is not a fit: it {what}; {EXPECTED}")
-    found = [_HALF.fullmatch(part) for part in parts]
-    for which, part, match in zip(("hole", "shaft"), parts, found, strict=True):
+        raise InputError(f"{label} is not a fit: it {what}; {EXPECTED}")
+    matches = [_HALF.fullmatch(part) for part in parts]
+    for which, part, match in zip(("hole", "shaft"), parts, matches, strict=True):
         if match is None:
             raise InputError(
-                f"{said} is not a fit: its {which} '{shown(part[:LONGEST])}' is no letter with a grade; {EXPECTED}"
+                f"{label} is not a fit: its {which} '{shown(part[:LONGEST])}' is no letter with a grade; {EXPECTED}"
             )
-    (hole, hole_grade), (shaft, shaft_grade) = ((match[1], match[2]) for match in found if match is not None)
+    (hole, hole_grade), (shaft, shaft_grade) = ((match[1], match[2]) for match in matches if match is not None)
     if not (hole.isupper() and shaft.islower()):
         parts = [hole.upper() + hole_grade, shaft.lower() + shaft_grade]
         if hole.islower() and shaft.isupper():
             parts = [shaft + shaft_grade, hole + hole_grade]
         raise InputError(
-            f"{said}: the hole in capitals stands first, the shaft in small letters; did you mean '{'/'.join(parts)}'?"
+            f"{label}: the hole in capitals stands first, the shaft in small letters; did you mean '{'/'.join(parts)}'?"
         )
-    _require_letter(hole, said, hole=True)
-    _require_letter(shaft, said, hole=False)
+    _require_letter(hole, label, hole=True)
+    _require_letter(shaft, label, hole=False)
     return (hole.lower(), hole_grade), (shaft, shaft_grade)
 
 
-def _require_letter(letter: str, said: str, hole: bool) -> None:
+def _require_letter(letter: str, label: str, hole: bool) -> None:
     """Raise InputError for a letter without a table."""
     small = letter.lower()
     if small in _deviations() or small == SYMMETRIC:
@@ -161,9 +161,9 @@ def _require_letter(letter: str, said: str, hole: bool) -> None:
     used = f"{'A' if hole else 'a'} to {last} and {symmetric} are known"
     if small in BEYOND:
         raise InputError(
-            f"{said}: {which} {letter} lies beyond {last}: interference, or no play at every part of the field; {used}"
+            f"{label}: {which} {letter} lies beyond {last}: interference, or no play at every part of the field; {used}"
         )
-    raise InputError(f"{said}: ISO 286 has no {which} with the letter '{letter[:LONGEST]}'; {used}")
+    raise InputError(f"{label}: ISO 286 has no {which} with the letter '{letter[:LONGEST]}'; {used}")
 
 
 # ---------------------------------------------------------------- the tables

@@ -118,12 +118,12 @@ def temperature(T: str | float, what: str = "temperature") -> float:
     kelvin = in_si(T, what, "K", "'60 degC'")
     if COLDEST <= kelvin <= LAW_ENDS:
         return kelvin
-    told = f"'{T}'" if isinstance(T, str) else f"{T!r:.40}"
+    label = f"'{T}'" if isinstance(T, str) else f"{T!r:.40}"
     asked = ""
     if _is_bare(T) and COLDEST <= kelvin + FREEZING <= LAW_ENDS:
         asked = f"; a number is kelvin; write '{kelvin:.9g} degC'"
     ends = f"{COLDEST - FREEZING:g} ... {LAW_ENDS - FREEZING:g} degC"
-    raise InputError(f"{what} {told} is {kelvin - FREEZING:.6g} degC, outside {ends} for which oils are known{asked}")
+    raise InputError(f"{what} {label} is {kelvin - FREEZING:.6g} degC, outside {ends} for which oils are known{asked}")
 
 
 def _is_bare(T: str | float) -> bool:
@@ -136,10 +136,12 @@ def _named(text: str) -> int:
     """The grade in a name such as "ISO VG 46".  Raises InputError."""
     match = _NAME.fullmatch(text.strip())
     if match is None:
-        said = f"oil '{shown(text.strip()[:LONGEST])}'"
+        label = f"oil '{shown(text.strip()[:LONGEST])}'"
         if text.strip().upper().startswith("SAE"):
-            raise InputError(f"{said}: a grade of SAE is a range of viscosities; give nu40 and nu100 of the data sheet")
-        raise InputError(f"{said} is not known; {EXAMPLE}")
+            raise InputError(
+                f"{label}: a grade of SAE is a range of viscosities; give nu40 and nu100 of the data sheet"
+            )
+        raise InputError(f"{label} is not known; {EXAMPLE}")
     return int(match[1][:9])
 
 

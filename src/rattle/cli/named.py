@@ -43,27 +43,27 @@ def fit(fit_: str, sizes: tuple[str, ...], wants_json: bool) -> None:
 
     fits = [look_up(fit_, value(size)) for size in sizes]
     if wants_json:
-        record = {"fit": fits[0].text, "source": fits[0].source, "sizes": [_record(one) for one in fits]}
+        record = {"fit": fits[0].text, "source": fits[0].source, "sizes": [_record(fit) for fit in fits]}
         click.echo(as_json(record))
         return
     click.echo(f"{fits[0].text}: limits of hole and shaft, and their play ({fits[0].source})")
     lengths = ("EI", "ES", "ei", "es", "least", "largest", "radial", "tol")
     head = ("diameter", *(f"{name} [um]" for name in lengths))
-    click.echo(columns(head, [_row(one) for one in fits]))
-    for one in fits:
-        click.echo(one.words)
+    click.echo(columns(head, [_row(fit) for fit in fits]))
+    for fit in fits:
+        click.echo(fit.words)
 
 
-def _record(one: Fit) -> dict[str, Any]:
+def _record(fit: Fit) -> dict[str, Any]:
     """A fit at one size, in m."""
     keys = ("diameter", "hole", "shaft", "least", "largest", "radial", "tol", "bore", "pin")
-    return {key: getattr(one, key) for key in keys}
+    return {key: getattr(fit, key) for key in keys}
 
 
-def _row(one: Fit) -> list[str]:
+def _row(fit: Fit) -> list[str]:
     """A fit at one size as a line of a table."""
-    figures = (*one.hole, *one.shaft, one.least, one.largest, one.radial, one.tol)
-    return [f"{one.diameter * 1e3:.9g} mm", *(f"{figure * MICRO:.{DIGITS}g}" for figure in figures)]
+    figures = (*fit.hole, *fit.shaft, fit.least, fit.largest, fit.radial, fit.tol)
+    return [f"{fit.diameter * 1e3:.9g} mm", *(f"{figure * MICRO:.{DIGITS}g}" for figure in figures)]
 
 
 @click.command(cls=Command, context_settings={"ignore_unknown_options": True})  # -10 degC is no option
@@ -107,7 +107,7 @@ def oil(oil_: str, temperatures: tuple[str, ...], vi: str | None, density: str |
 
 
 def _of_oil(kelvin: float, kinematic: float, density: float, viscosity: float) -> list[str]:
-    """An oil at one temperature as a line of a table."""
+    """An oil at fit temperature as a line of a table."""
     from rattle.language.units import FREEZING
 
     figures = (viscosity * MILLI, kinematic * MM2, density)

@@ -102,12 +102,13 @@ def plot(
     loaded = read_result(result, settings)
     others = [(label, read_result(file)) for label, file in map(_labelled, compare)]
     beside = loaded.residuals(measured, names)
-    curves: Callable[[], Figure] | None = None
+    curves: Callable[[], Figure] = partial(
+        loaded.plot, *names, over=over, compare=others, robust=robust, measured=beside
+    )
     if spectrum:
         curves = partial(loaded.plot_spectrum, *names, compare=others)
-    elif names or measured:
-        curves = partial(loaded.plot, *names, over=over, compare=others, robust=robust, measured=beside)
-    figures = [*_figures(loaded, target, curves, "spectrum" * spectrum, orbit, xy, output is not None)]
+    drawing, word = curves if names or measured else None, "spectrum" * spectrum
+    figures = [*_figures(loaded, target, drawing, word, orbit, xy, output is not None)]
     for part in beside:
         say_residual(loaded, part)
     for figure, path in figures:  # nothing is written if one of them cannot be drawn

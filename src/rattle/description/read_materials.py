@@ -25,9 +25,9 @@ def read_materials(values: Values, document: Table) -> dict[str, Material]:
             before, table = len(values.problems), values.table(written, path)
             read = reader.form(MATERIAL_OF_MODEL, table, path)
             _require_possible(values, read, path)
-            known = {OWN_NAMES.get(key, key): number for key, number in read.items() if number is not None}
+            constants = {OWN_NAMES.get(key, key): number for key, number in read.items() if number is not None}
             if len(values.problems) == before:
-                values.materials[name] = Material(**known, source=OF_MODEL, name=name)
+                values.materials[name] = Material(**constants, source=OF_MODEL, name=name)
             else:
                 values.broken_materials.add(name)
     return values.materials

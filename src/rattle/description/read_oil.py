@@ -35,21 +35,21 @@ def read_oil(reader: FieldReader, table: Table, path: Path) -> tuple[OilAt | Non
     if "temperature" not in table:
         values.wrong(path, 'oil needs temperature: viscosity follows from it, such as "60 degC"')
     read = reader.read(OIL, {key: table[key] for key in ("temperature",) if key in table}, path)
-    warm, known = read["temperature"], _oil(reader, table["oil"], (*path, "oil"))
+    warm, lubricant = read["temperature"], _oil(reader, table["oil"], (*path, "oil"))
     rest = {key: part for key, part in table.items() if key not in OIL_KEYS}
-    if known is None or len(values.problems) > before or math.isnan(bare(warm)):
+    if lubricant is None or len(values.problems) > before or math.isnan(bare(warm)):
         return None, {**rest, "viscosity": 1.0}  # told already: nothing more of it
     if not (warm >= COLDEST and warm <= HOTTEST):
         values.wrong((*path, "temperature"), _outside(bare(warm)))
         return None, {**rest, "viscosity": 1.0}
-    a, b = known.law
+    a, b = lubricant.law
     names = {
-        "T": warm, "A": a, "B": b, "shift": SHIFT, "mm2": MM2, "density15": known.density15, "expansion": EXPANSION,
+        "T": warm, "A": a, "B": b, "shift": SHIFT, "mm2": MM2, "density15": lubricant.density15, "expansion": EXPANSION,
         "at_15": AT_15,
     }  # fmt: skip
     density = value(parse(DENSITY), names)
     viscosity = value(parse(f"({KINEMATIC})*({DENSITY})"), names)
-    return OilAt(known, warm, viscosity, density), {**rest, "viscosity": viscosity, "density": density}
+    return OilAt(lubricant, warm, viscosity, density), {**rest, "viscosity": viscosity, "density": density}
 
 
 def _outside(warm: float) -> str:

@@ -10,7 +10,7 @@ from dataclasses import replace
 from rattle.description.dependence import describe_cycle, in_order
 from rattle.description.model import Parameter, ValueTable, within_limits
 from rattle.description.read_fields import FieldReader
-from rattle.description.read_play import FITTED, ROLLING, hidden_names, hidden_parameters
+from rattle.description.read_play import FITTED, ROLLING, Hidden, hidden_names, hidden_parameters
 from rattle.description.read_values import TooManyProblems, Values, expected, quoted
 from rattle.description.reading import Path, Table, section
 from rattle.description.tables import DISTRIBUTION, LIKELY, PARAMETER, TOLERANCES, VALUE
@@ -23,26 +23,7 @@ from rattle.language.units import LENGTH, Dimension, QuantityError, as_differenc
 def read_parameters(values: Values, document: Table) -> dict[str, Parameter]:
     """Read the table [parameters], written in any order; values [SI] and dimensions are stored in `values`."""
     table = values.table(document.get("parameters", {}), ("parameters",))
-    written: dict[str, tuple[object, Path]] = {}
-    hidden = hidden_names(document)
-    for name, entry in table.items():
-        path: Path = ("parameters", name)
-        joint, dot, key = name.partition(".")
-        if dot and name not in hidden and key in (*FITTED, *ROLLING) and joint in section(document, "joints"):
-            values.wrong(path, f"is of a fit or a bearing that joint '{joint}' has not; leave it out", at_key=True)
-            values.broken.add(name)
-            continue
-        if name not in hidden:
-            values.name(name, path)
-        if not isinstance(entry, Mapping):
-            written[name] = (entry, path)
-            continue
-        values.keys(entry, PARAMETER.fields, path)
-        if "value" in entry:
-            written[name] = (entry["value"], (*path, "value"))
-        elif name not in hidden:
-            values.wrong(path, VALUE.missing)
-            values.broken.add(name)
+    written = _written_values(values, table, document)
     dependent: dict[str, Node] = {}
     for name, (number, path) in written.items():
         quantity = read_quantity(values, number, path)
@@ -53,24 +34,60 @@ def read_parameters(values: Values, document: Table) -> dict[str, Parameter]:
         else:
             values.broken.add(name)
     _dependent(values, dependent, written)
-    named = dict(hidden_parameters(values, document)) if hidden else {}
-    for name, default in named.items():
+    defaults = dict(hidden_parameters(values, document))
+    for name, default in defaults.items():
         if name not in values.constants:
             values.set_constant(name, default.value, LENGTH)
     parameters: dict[str, Parameter] = {}
     for name in (name for name in table if name in values.constants):
         with values.at(("parameters", name)):
-            entry = table[name]
-            if name in named and isinstance(entry, Mapping):
-                entry = {"value": named[name].value, **entry}
+            entry, own = table[name], defaults.get(name)
+            entry = {"value": own.value, **entry} if own is not None and isinstance(entry, Mapping) else entry
             parameters[name] = _parameter(values, name, entry)
-    for name, default in named.items():
-        entry = parameters.get(name, Parameter(name, values.constants[name], "m"))
-        parameters[name] = replace(
-            entry, tol=default.tol if entry.tol is None else entry.tol, dist=entry.dist or default.dist,
-            description=entry.description or default.description, deviates=True,
-        )  # fmt: skip
+    for name, default in defaults.items():
+        parameters[name] = _of_name(parameters.get(name, Parameter(name, values.constants[name], "m")), default)
     return parameters
+
+
+def _written_values(values: Values, table: Table, document: Table) -> dict[str, tuple[object, Path]]:
+    """What stands for the value of each parameter, and where; of those of fits and bearings it may be missing."""
+    written: dict[str, tuple[object, Path]] = {}
+    hidden = hidden_names(document)
+    for name, entry in table.items():
+        path: Path = ("parameters", name)
+        if name not in hidden:
+            if _is_left_over(values, name, document):
+                continue
+            values.name(name, path)
+        if not isinstance(entry, Mapping):
+            written[name] = (entry, path)
+            continue
+        values.keys(entry, PARAMETER.fields, path)
+        if "value" in entry:
+            written[name] = (entry["value"], (*path, "value"))
+        elif name not in hidden:
+            values.wrong(path, VALUE.missing)
+            values.broken.add(name)
+    return written
+
+
+def _is_left_over(values: Values, name: str, document: Table) -> bool:
+    """True, after a problem, of a parameter of a fit or a bearing that its joint has no more."""
+    joint, _, key = name.partition(".")
+    if key not in (*FITTED, *ROLLING) or joint not in section(document, "joints"):
+        return False
+    fault = f"is of a fit or a bearing that joint '{joint}' has not; leave it out"
+    values.wrong(("parameters", name), fault, at_key=True)
+    values.broken.add(name)
+    return True
+
+
+def _of_name(parameter: Parameter, default: Hidden) -> Parameter:
+    """A parameter of a fit or a bearing, with what its name says where its entry does not."""
+    return replace(
+        parameter, tol=default.tol if parameter.tol is None else parameter.tol, dist=parameter.dist or default.dist,
+        description=parameter.description or default.description, deviates=True,
+    )  # fmt: skip
 
 
 def with_values(document: Table, values: Mapping[str, float]) -> dict[str, object]:

@@ -230,38 +230,42 @@ class Parts(FieldReader):
             kind, fields = self._lifting(kind, fields, path)
         play_read = read_play(self, name, table, named, kind_wears(kind), path)
         bush = play_read.radius if play is not None and play.leaf.has_radius else math.nan
-        clearance, table = play_read.clearance, _with_bush(table, bush)
-        contact = self._contact(table, kind, fields, clearance, path)
+        table = _with_bush(table, bush)
+        contact = self._contact(table, kind, fields, play_read.clearance, path)
         _require_bush_of_fit(values, contact, bush, path)
-        clearance = 0.0 if clearance is None else clearance
+        clearance = 0.0 if play_read.clearance is None else play_read.clearance
         if len(values.problems) == before:
             contact = self._passing(kind, fields, clearance, contact, path)
         stop = self._stop(table["stop"], kind.name, (*path, "stop")) if "stop" in table else None
         dimensions = self._dimensions(sizes, table, play, contact, path)
         corners = self._corners(fields, b, path) if len(values.problems) == before else {}
         sound, block = len(values.problems) == before, next(iter(dimensions.values()), ())
-        if kind.leaf.touches and "friction" in table:
-            values.wrong((*path, "friction"), OF_CONTACT.format(named), at_key=True)
-            friction = None
-        else:
-            friction = self._friction(table, kind, (fields, sound), block, (clearance, contact), path)
-        if contact is not None and contact.rolling > 0.0:
-            friction = rolling_friction(contact, fields["roller"])
+        friction = self._friction(table, kind, (fields, sound), block, (clearance, contact), (named, path))
         wear, contact = read_wear(self, table, kind, clearance, contact, bearing, (*path, "wear"))
-        radius = _radius(kind, contact, friction)
-        radius = bush if math.isnan(bare(radius)) else radius
-        length = _length(bearing, contact) if wear is None or bearing is not None else wear.length
-        wears = None
-        if wear is not None or not clearance > 0.0:
-            wears = read_limit(self, table, kind, wear, radius, (*path, "wear"))
-        self.joints[name] = Joint(
+        joint = Joint(
             name, kind.name, a, b, fields, clearance, contact, dimensions, stop, friction, wear=wear, corners=corners,
-            counts=not (friction is not None and kind.leaf.placing),
-            wears=wears, named=play_read.title, radius=radius, length=length,
+            counts=not (friction is not None and kind.leaf.placing), named=play_read.title,
             z=math.nan if own["z"] is None else own["z"],
         )  # fmt: skip
+        self.joints[name] = self._as_bearing(joint, kind, table, bush, bearing)
         if len(values.problems) > before:
             self.broken_joints.add(name)
+
+    def _as_bearing(
+        self, joint: Joint, kind: registry.Kind[JointKind], table: Table, bush: float, bearing: float | None
+    ) -> Joint:
+        """A joint with the size of its bearing, and how far it may wear.
+
+        bush: radius by a fit [m], nan without one; bearing: length that is stated [m].
+        """
+        wear = joint.wear
+        radius = _radius(kind, joint.contact, joint.friction)
+        radius = bush if math.isnan(bare(radius)) else radius
+        length = _length(bearing, joint.contact) if wear is None or bearing is not None else wear.length
+        wears = None
+        if wear is not None or not joint.clearance > 0.0:
+            wears = read_limit(self, table, kind, wear, radius, ("joints", joint.name, "wear"))
+        return replace(joint, wears=wears, radius=radius, length=length)
 
     def _bearing_length(
         self, table: Table, kind: registry.Kind[JointKind], length: float | None, path: Path
@@ -285,12 +289,20 @@ class Parts(FieldReader):
 
     def _friction(
         self, table: Table, kind: registry.Kind[JointKind], read: tuple[Fields, bool], block: Sequence[float],
-        play: tuple[float, Contact | None], path: Path,
+        play: tuple[float, Contact | None], entry: tuple[str, Path],
     ) -> JointFriction | None:  # fmt: skip
-        """The friction of a joint without play; read: fields, and if they are sound; play: clearance [m], contact."""
+        """The friction of a joint without play; read: fields, and if they are sound; play: clearance [m], contact.
+
+        entry: kind as it is written, and its path.
+        """
+        (fields, sound), (clearance, contact), here = read, play, (*entry[1], "friction")
+        if kind.leaf.touches and "friction" in table:
+            self.values.wrong(here, OF_CONTACT.format(entry[0]), at_key=True)
+            return None
+        if contact is not None and contact.rolling > 0.0:
+            return rolling_friction(contact, fields["roller"])
         if "friction" not in table or "friction" in kind.fields:
             return None
-        (fields, sound), (clearance, contact), here = read, play, (*path, "friction")
         friction = joint_friction(
             self, table["friction"], kind, fields if sound else None, block, clearance > 0.0, here
         )

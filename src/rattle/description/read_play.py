@@ -19,11 +19,13 @@ from rattle.description.read_values import Values, quoted
 from rattle.description.reading import Path, Table, section
 from rattle.description.tables import CLEARANCE, DISTRIBUTIONS, PLAY
 from rattle.errors import InputError, suggest
+from rattle.language.materials import Material
 from rattle.language.recorded import bare
 
 ROOM = 293.15  # temperature at which drawings hold [K], ISO 1
 COLDEST = 150.0  # [K]; colder is a slip: a number of degC that was written without its unit
 _FITTED = re.compile(r"\s*([A-Za-z]{1,2}\d{1,2}/[A-Za-z]{1,2}\d{1,2})\s*(\S.*)?")  # "H7/g6", "H7/g6 8 mm"
+MATERIALS = ("bush_material", "pin_material")
 FITTED, ROLLING = ("bore", "pin"), ("play",)  # hidden parameters
 
 
@@ -135,26 +137,38 @@ def read_play(reader: FieldReader, joint: str, table: Table, kind: str, may: boo
         return Play(reader.field(CLEARANCE, "clearance", table, {}, path))
     before = len(values.problems)
     read = reader.form(PLAY, written, here)
-    if not any(key in written for key in ("fit", "radial")):
-        values.wrong(here, 'needs fit = "H7/g6" with its diameter, or radial = "10 um"')
-    if "dist" in written and "fit" not in written:
-        why = "is that of both diameters of a fit; give a stated play a parameter with tol and dist"
-        values.wrong((*here, "dist"), why, at_key=True)
-    if "fit" in written and "radial" in written:
-        values.wrong((*here, "radial"), "give a fit or a radial play, not both", at_key=True)
-    named = values.plays.get(joint) if "fit" in written else None
-    if len(values.problems) > before or ("fit" in written and named is None):
+    _require_one_way(values, written, here)
+    cold = _when_cold(values, joint, written, read)
+    if len(values.problems) > before or cold is None:
         return Play(math.nan)
-    if named is None:
-        clearance, radius = read["radial"], math.nan
-    else:
-        clearance = (values.constants[f"{joint}.bore"] - values.constants[f"{joint}.pin"]) / 2
-        radius = named.diameter / 2
-    clearance = clearance + _by_heat(reader, written, read, _radius(radius, reader, table, path), here)
+    assert cold.clearance is not None
+    clearance = cold.clearance + _by_heat(reader, written, read, _radius(cold.radius, reader, table, path), here)
     if not clearance >= 0.0 or (not clearance > 0.0 and "temperature" in written):
         values.wrong(here, _closed(read, bare(clearance)))
         return Play(math.nan)
-    return Play(clearance, radius, None if named is None else named.title)
+    return cold._replace(clearance=clearance)
+
+
+def _require_one_way(values: Values, written: Table, path: Path) -> None:
+    """Refuse a play that is stated in no way, or in two."""
+    if not any(key in written for key in ("fit", "radial")):
+        values.wrong(path, 'needs fit = "H7/g6" with its diameter, or radial = "10 um"')
+    if "dist" in written and "fit" not in written:
+        why = "is that of both diameters of a fit; give a stated play a parameter with tol and dist"
+        values.wrong((*path, "dist"), why, at_key=True)
+    if "fit" in written and "radial" in written:
+        values.wrong((*path, "radial"), "give a fit or a radial play, not both", at_key=True)
+
+
+def _when_cold(values: Values, joint: str, written: Table, read: Mapping[str, float | None]) -> Play | None:
+    """The play at 20 degC; None after a problem."""
+    if "fit" not in written:
+        return None if read["radial"] is None else Play(read["radial"])
+    named = values.plays.get(joint)
+    if named is None:
+        return None
+    clearance = (values.constants[f"{joint}.bore"] - values.constants[f"{joint}.pin"]) / 2
+    return Play(clearance, named.diameter / 2, named.title)
 
 
 def _closed(read: Mapping[str, float | None], clearance: float) -> str:
@@ -173,32 +187,35 @@ def _radius(radius: float, reader: FieldReader, table: Table, path: Path) -> flo
 
 def _by_heat(reader: FieldReader, table: Table, read: Mapping[str, float | None], radius: float, path: Path) -> float:
     """By how much a bush and a pin that are warm have more play than at 20 degC [m]; 0 after a problem."""
-    values = reader.values
-    both = [key for key in ("bush_material", "pin_material") if key in table]
-    materials = [material_named(values, table[key], (*path, key)) for key in both]
-    if len(both) == 1:
-        other = ({"bush_material", "pin_material"} - set(both)).pop()
-        values.wrong(path, f"needs {other} too: play changes by the difference of both")
-    warm = read["temperature"]
+    values, warm = reader.values, read["temperature"]
+    pair = _materials(values, table, path)
     if warm is None:
         return 0.0
     if warm < COLDEST:
         values.wrong((*path, "temperature"), f'{bare(warm):g} K is too cold: a number is kelvin; write "80 degC"')
         return 0.0
-    if not both:
+    if not any(key in table for key in MATERIALS):
         values.wrong(path, "temperature needs bush_material and pin_material: play changes by their expansion")
     if math.isnan(bare(radius)):
         values.wrong(path, "temperature needs the radius of the bush: contact.bush_radius in m, or a fit")
         return 0.0
-    if len(both) < 2 or None in materials:
-        return 0.0
-    bush, pin = materials
-    assert bush is not None
-    assert pin is not None
-    unknown = [material.name for material in (bush, pin) if math.isnan(bare(material.expansion))]
+    unknown = [material.name for material in pair if math.isnan(bare(material.expansion))]
     for name in dict.fromkeys(unknown):
         values.wrong(path, f"the thermal expansion of '{name}' is not known; give it under [materials.NAME]")
-    return 0.0 if unknown else radius * (bush.expansion - pin.expansion) * (warm - ROOM)
+    if unknown or len(pair) < len(MATERIALS):
+        return 0.0
+    bush, pin = pair
+    return radius * (bush.expansion - pin.expansion) * (warm - ROOM)
+
+
+def _materials(values: Values, table: Table, path: Path) -> list[Material]:
+    """Materials of bush and pin, both or none; fewer after a problem."""
+    both = [key for key in MATERIALS if key in table]
+    if len(both) == 1:
+        other = ({*MATERIALS} - set(both)).pop()
+        values.wrong(path, f"needs {other} too: play changes by the difference of both")
+    named = (material_named(values, table[key], (*path, key)) for key in both)
+    return [material for material in named if material is not None]
 
 
 def _rolling(values: Values, joint: str, table: Table, kind: str, may: bool, path: Path) -> Play:

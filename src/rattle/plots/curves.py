@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
@@ -86,14 +86,12 @@ def plot(
     """
     beside = residuals(result, measured, names)
     names = (*names, *(part.curve for part in beside))
-    if not names:
-        raise InputError(f"name at least one curve, such as {', '.join(repr(n) for n in result.names[:3])}")
     panels = _by_unit(result, names)
-    if ax is not None and len(panels) > 1:
-        raise InputError(f"one axis shows one unit; these names have {', '.join(u or 'none' for u in panels)}")
+    _require_drawable(result, panels, ax)
     others = list(compare)
     across, along = _across(result, over)
-    differing = () if ax is not None else tuple(unit for unit in panels if any(part.unit == unit for part in beside))
+    with_measured = {part.unit for part in beside}
+    differing = () if ax is not None else tuple(unit for unit in panels if unit in with_measured)
     axes = [ax] if ax is not None else _axes_for(panels, differing)
     left = iter(axes)
     for unit, curves in panels.items():
@@ -108,6 +106,14 @@ def plot(
         title_of(axes[0], result)
     axes[-1].set_xlabel(along)
     return drawn(axes[0], ax)
+
+
+def _require_drawable(result: Result, panels: Mapping[str, Sequence[str]], ax: Axes | None) -> None:
+    """Raise InputError without curves, and for curves of several units on one axis."""
+    if not panels:
+        raise InputError(f"name at least one curve, such as {', '.join(map(repr, result.names[:3]))}")
+    if ax is not None and len(panels) > 1:
+        raise InputError(f"one axis shows one unit; these names have {', '.join(unit or 'none' for unit in panels)}")
 
 
 def _by_unit(result: Result, names: Iterable[str]) -> dict[str, list[str]]:

@@ -130,7 +130,7 @@ def typed(revision: Revision, chosen: str, field: str, text: str) -> Drawing | N
     Raises ModelError or InputError where it cannot be.
     """
     text, (kind, _, name) = text.strip(), chosen.partition(" ")
-    now = next((one.text for one in fields_of(revision.sketch, chosen) if one.name == field), None)
+    now = next((other.text for other in fields_of(revision.sketch, chosen) if other.name == field), None)
     if now is None:
         raise InputError(f"{chosen} has no field {field}")
     if text == now:
@@ -260,10 +260,10 @@ def _into_point(revision: Revision, name: str, field: str, text: str) -> Drawing
         written = revision.document["ground"]["points"][own]
         _enter_typed(revision, ("ground", "points", own, str(k)), written[k], text)
     carry(revision, name, target, typed=name)
-    made = revision.finish(f"{name}.{'xy'[k]} = {text}", f"point {name}")
-    if not is_at(made.sketch, name, target):
+    drawing = revision.finish(f"{name}.{'xy'[k]} = {text}", f"point {name}")
+    if not is_at(drawing.sketch, name, target):
         raise InputError(f"{name}.{'xy'[k]} cannot be {text}: joints hold it elsewhere")
-    return made
+    return drawing
 
 
 def _into_joint(revision: Revision, name: str, field: str, text: str) -> Drawing:

@@ -221,19 +221,30 @@ class Revision:
             sketch = self._drawn()
         if (self.parameters or self.moved) and not sketch.trouble and self._drive(sketch):
             sketch = self._drawn()  # functions have parameters that change, or joints points that move in their bodies
+        if self.renaming is None:
+            sketch = self._started(sketch)
+            self._tell_followers(sketch)
+        every = "; ".join(part for part in (words, *dict.fromkeys(self.words)) if part)
+        return Drawing(sketch, every, chosen, field)
+
+    def _started(self, sketch: Drawn) -> Drawn:
+        """The drawing with starts in the text that keep bodies where they are meant to be, where joints allow it."""
         for start in (self._start_angles, self._start_places):  # angles are enough where joints say the rest
-            if self.renaming is not None or not (astray := self._astray(sketch)):
+            astray = self._astray(sketch)
+            if not astray:
                 break
             start([*self.moved, *self._beside(astray)])
             after = self._drawn()
             if sketch.trouble or self._keeps(after, astray):  # else joints move them: no start in the text holds them
                 sketch = after
+        return sketch
+
+    def _tell_followers(self, sketch: Drawn) -> None:
+        """Name bodies that are elsewhere than they were meant to be, since joints take them along."""
         follow = [] if sketch.trouble else list(self._astray(sketch))
-        if follow and self.renaming is None:
+        if follow:
             more = f" and {len(follow) - MOST_USES} more" if len(follow) > MOST_USES else ""
             self.words.append(f"joints take along {', '.join(follow[:MOST_USES])}{more}")
-        told = "; ".join(part for part in (words, *dict.fromkeys(self.words)) if part)
-        return Drawing(sketch, told, chosen, field)
 
     def _text(self) -> str:
         """The text with all changes; entries that are new come with what was changed in them since."""

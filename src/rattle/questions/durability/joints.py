@@ -17,6 +17,7 @@ import numpy as np
 from rattle import registry
 from rattle.analyses.driver_period import driver_period
 from rattle.catalogue.bearings import MILLION, BearingPlay
+from rattle.description.model import Joint
 from rattle.description.read_wear import kind_wears
 from rattle.errors import InputError
 from rattle.language.recorded import bare
@@ -49,37 +50,64 @@ def bearings(case: Case) -> dict[str, Bearing]:
 
 
 def _bearing(case: Case, name: str, mapped: Mapping[str, float], mapping: str) -> Bearing:
-    run, joint = case.run, case.mechanism.model.joints[name]
+    joint, notes = case.mechanism.model.joints[name], list[str]()
     radius, length = bare(joint.radius), bare(joint.length)
-    notes = []
-    load = math.nan
-    pinned = kind_wears(registry.kinds("joint")[joint.kind])
-    if pinned and math.isnan(radius * length) and not isinstance(joint.named, BearingPlay):
+    rolls = isinstance(joint.named, BearingPlay)
+    if _has_pin(joint) and not rolls and math.isnan(radius * length):
         notes.append(NO_SIZE)
-    if f"{name}.force" in run:
-        reads = readable(run, f"{name}.force")
-        load = run.peak(f"{name}.force")[0] if reads else math.nan
-        if not reads:
-            notes.append("no load: forces of rigid contacts tower where no real one would")
-    pv = math.nan
-    if f"{name}.rate" in run and f"{name}.force" in run:
-        pv = case.mean(np.abs(run[f"{name}.force"] * run[f"{name}.rate"])) / (2.0 * length)
-    film = run.films.get(name)
-    ratio = math.nan
-    if film is not None and joint.contact is not None and joint.contact.film is not None:
-        ratio = film.least_film / bare(joint.contact.film.roughness)
-    wear = math.nan
-    if joint.wear is not None:
-        wear = mapped.get(name, math.nan)
-        notes.append(mapping if math.isnan(wear) else "wear life by the map of its wear, not by k p v")
-    elif joint.wears is not None:
-        wear = bare(joint.wears.rate) * pv / bare(joint.wears.limit)
-        notes += [NO_LIMIT] if math.isnan(bare(joint.wears.limit)) else []
-    elif pinned and not isinstance(joint.named, BearingPlay):
-        notes.append("no wear life: it does not say how it wears, wear = { bush, limit }")
-    tired = _tired(case, name, notes) if isinstance(joint.named, BearingPlay) else math.nan
+    load = _load(case, name, notes)
+    pressed = _mean_slide(case, name) / (2.0 * length)
+    wear = _wear(joint, pressed, mapped.get(name, math.nan), mapping, notes)
+    tired = _tired(case, name, notes) if rolls else math.nan
     shear = load / (math.pi * (radius - bare(joint.clearance)) ** 2)
-    return Bearing(load, load / (2.0 * radius * length), shear, pv, ratio, wear, tired, tuple(notes))
+    film = _film(case, name)
+    return Bearing(load, load / (2.0 * radius * length), shear, pressed, film, wear, tired, tuple(notes))
+
+
+def _has_pin(joint: Joint) -> bool:
+    return kind_wears(registry.kinds("joint")[joint.kind])
+
+
+def _load(case: Case, name: str, notes: list[str]) -> float:
+    """Largest force of a joint [N]; nan where it has none that can be read."""
+    if f"{name}.force" not in case.run:
+        return math.nan
+    if not readable(case.run, f"{name}.force"):
+        notes.append("no load: forces of rigid contacts tower where no real one would")
+        return math.nan
+    return float(case.run.peak(f"{name}.force")[0])
+
+
+def _mean_slide(case: Case, name: str) -> float:
+    """Mean over time of force times rate [N/s]; nan of a joint without them."""
+    run = case.run
+    if f"{name}.rate" not in run or f"{name}.force" not in run:
+        return math.nan
+    return float(case.mean(np.abs(run[f"{name}.force"] * run[f"{name}.rate"])))
+
+
+def _film(case: Case, name: str) -> float:
+    """Least thickness of the oil over the roughness of both surfaces; nan without oil."""
+    summary, contact = case.run.films.get(name), case.mechanism.model.joints[name].contact
+    if summary is None or contact is None or contact.film is None:
+        return math.nan
+    return float(summary.least_film / bare(contact.film.roughness))
+
+
+def _wear(joint: Joint, pressed: float, by_map: float, mapping: str, notes: list[str]) -> float:
+    """Depth lost per time over the depth that is allowed [1/s]; nan where it is not known.
+
+    pressed: mean of p |v| [Pa m/s].  by_map: the same by the map of wear; mapping: why there is none, in words.
+    """
+    if joint.wear is not None:
+        notes.append(mapping if math.isnan(by_map) else "wear life by the map of its wear, not by k p v")
+        return by_map
+    if joint.wears is not None:
+        notes += [NO_LIMIT] if math.isnan(bare(joint.wears.limit)) else []
+        return float(bare(joint.wears.rate) * pressed / bare(joint.wears.limit))
+    if _has_pin(joint) and not isinstance(joint.named, BearingPlay):
+        notes.append("no wear life: it does not say how it wears, wear = { bush, limit }")
+    return math.nan
 
 
 def _tired(case: Case, name: str, notes: list[str]) -> float:
