@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from rattle.description.model import Beam, Body, Section, Vector
 from rattle.description.read_fields import FieldReader
@@ -67,8 +67,8 @@ def _ends(
 
 
 # ---------------------------------------------------------------- how heavy it is
-def _weight(values: Values, read: Mapping[str, object], table: Table, path: Path) -> _Weight:
-    length = _number(read["length"])
+def _weight(values: Values, read: Mapping[str, Any], table: Table, path: Path) -> _Weight:
+    length = read["length"]
     if "mass_per_length" in table:
         return _of_line(values, read, table, length, path)
     mass, inertia = read["mass"], read["inertia"]
@@ -77,18 +77,12 @@ def _weight(values: Values, read: Mapping[str, object], table: Table, path: Path
         if mass is None and "mass" not in table and all(read[key] is not None for key in OF_WEIGHT if key in table):
             values.wrong(path, NO_MASS if any(key in table for key in OF_WEIGHT) else "needs a mass in kg")
         mass = math.nan if mass is None else mass
-    mass = _number(mass)
     uniform = mass * length * length / 12
     if inertia is None:
         line = _along(mass, length)
         return _Weight(mass, length / 2, uniform, line)
-    own = _number(inertia)
-    end = (own - uniform) / (length * length / 3)
-    return _Weight(mass, length / 2, own, _along(mass - 2 * end, length), (end, end))
-
-
-def _number(read: object) -> float:
-    return read  # type: ignore[return-value]  # of a field of numbers: a number, or one with its record
+    end = (inertia - uniform) / (length * length / 3)
+    return _Weight(mass, length / 2, inertia, _along(mass - 2 * end, length), (end, end))
 
 
 def _along(mass: float, length: float) -> tuple[Vector, ...]:
@@ -103,13 +97,13 @@ def _of_material(section: object, material: object, length: float) -> float | No
     return None
 
 
-def _of_line(values: Values, read: Mapping[str, object], table: Table, length: float, path: Path) -> _Weight:
+def _of_line(values: Values, read: Mapping[str, Any], table: Table, length: float, path: Path) -> _Weight:
     """Mass, mass centre and inertia of a bar whose mass per length is given."""
     nothing = _Weight(math.nan, length / 2, math.nan)
     for key in ("mass", "inertia"):
         if key in table:
             values.wrong((*path, key), TOLD_TWICE, at_key=True)
-    line: Sequence[Vector] = read["mass_per_length"] or ()  # type: ignore[assignment]
+    line: Sequence[Vector] = read["mass_per_length"] or ()
     if not line or any(math.isnan(bare(number)) for pair in line for number in pair):
         return nothing
     if fault := _fault(line, length):

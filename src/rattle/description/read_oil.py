@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from rattle.catalogue.oils import AT_15, COLDEST, EXPANSION, HOTTEST, MM2, SHIFT, Oil, oil
 from rattle.description.model import OilAt
@@ -59,9 +60,9 @@ def _outside(warm: float) -> str:
     return f"{warm - ZERO:.6g} degC is outside {ends}, where oils set or burn{asked}"
 
 
-def _oil(reader: FieldReader, written: object, path: Path) -> Oil | None:
+def _oil(reader: FieldReader, written: Any, path: Path) -> Oil | None:
     try:
-        return oil(dict(written) if isinstance(written, Mapping) else written)  # type: ignore[arg-type]  # it refuses
+        return oil(dict(written) if isinstance(written, Mapping) else written)
     except InputError as error:
         reader.values.wrong(path, str(error).removeprefix("oil: "))
         return None

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from rattle.catalogue.bearings import BearingPlay, bearing
 from rattle.catalogue.fits import Fit, fit
@@ -95,7 +95,7 @@ def _of_fit(values: Values, joint: str, table: Table, path: Path) -> Iterator[tu
     yield f"{joint}.pin", Hidden(pin_middle, pin_half, str(dist), f"diameter of the pin {of}")
 
 
-def _fit(values: Values, table: Table, path: Path) -> tuple[Fit, float] | None:
+def _fit(values: Values, table: Mapping[str, Any], path: Path) -> tuple[Fit, float] | None:
     """A fit and its diameter [m], which may be a number that is recorded; None after a problem."""
     if "diameter" not in table:
         values.wrong(path, 'needs diameter: the nominal size of the fit, such as "8 mm"')
@@ -104,16 +104,16 @@ def _fit(values: Values, table: Table, path: Path) -> tuple[Fit, float] | None:
     if math.isnan(bare(diameter)):
         return None
     try:
-        return fit(table["fit"], float(diameter)), diameter  # type: ignore[arg-type]  # which says what it expects
+        return fit(table["fit"], float(diameter)), diameter
     except InputError as error:
         values.wrong((*path, "fit"), str(error))
         return None
 
 
-def _of_bearing(values: Values, joint: str, written: object, path: Path) -> Iterator[tuple[str, Hidden]]:
+def _of_bearing(values: Values, joint: str, written: Any, path: Path) -> Iterator[tuple[str, Hidden]]:
     values.plays[joint] = None
     try:
-        rolling = bearing(written)  # type: ignore[arg-type]  # which says what it expects
+        rolling = bearing(written)
     except InputError as error:
         values.broken.add(f"{joint}.play")
         values.wrong(path, str(error).removeprefix("bearing: "))

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from rattle.errors import InputError
 from rattle.exchange import matlab, result_workbook
-from rattle.results.result import TABLES, Result
+from rattle.results.result import Result
+from rattle.results.table_file import TABLES
 
 WRITERS = {result_workbook.SUFFIX: Result.to_excel, matlab.SUFFIX: Result.to_mat}
 

@@ -20,7 +20,9 @@ from rattle.results.handy_units import QUANTITY, Units, handy_unit, units_of_res
 from rattle.results.within_steps import bursts, cut, largest, shown_curve, summit
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.container import BarContainer
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
     from matplotlib.text import Annotation
@@ -277,8 +279,8 @@ def panel_of(
     legend_beside(ax, [*lines, *dots])
 
 
-def legend_beside(ax: Axes, lines: Sequence[Line2D]) -> None:
-    """A legend of these lines on the right of the axes, whatever their names are made of."""
+def legend_beside(ax: Axes, lines: Sequence[Artist | BarContainer]) -> None:
+    """A legend of these lines or bars on the right of the axes, whatever their names are made of."""
     place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0), "borderaxespad": 0.0}
     # matplotlib leaves out names that begin with an underscore: they are written after the legend is made
     legend = ax.legend(lines, [str(k) for k in range(len(lines))], frameon=False, fontsize=9, **place)

@@ -25,6 +25,7 @@ from rattle.results.chosen_units import SI, column_unit
 from rattle.results.derived import rules, unit_of_rule, value_of
 from rattle.results.display import Picture, card, grid, marks, printed
 from rattle.results.event import Breaks, Event, Peak
+from rattle.results.table_file import require_table
 from rattle.results.trust import Trust
 from rattle.value_types import Tree
 from rattle.wrong_arguments import answer_in_words, answers_in_words
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 NEXT_TO = 1e-6  # share of the mean interval of outputs within which an output lies on an event
-TABLES = (".csv", ".txt", ".dat", "")  # suffixes under which text is expected
 
 
 class UnknownName(InputError, KeyError):
@@ -516,12 +516,6 @@ def load_result(path: str | os.PathLike[str]) -> Result:
 
 
 # ---------------------------------------------------------------- pieces
-def require_table(path: str | os.PathLike[str]) -> None:
-    """Raise InputError for a file name whose suffix belongs to another format than CSV."""
-    if Path(path).suffix.lower() not in TABLES:
-        raise InputError(f"{os.fspath(path)}: curves are written as plain text; give a name ending in .csv")
-
-
 def _frozen(values: ArrayLike) -> Array:
     view = np.asarray(values, dtype=np.float64).view()
     view.flags.writeable = False

@@ -4,22 +4,13 @@ from __future__ import annotations
 
 import click
 
-from rattle.cli.options import time
 from rattle.cli.question_command import Asked, Shown, json_option, model_command
-from rattle.questions.strength.moved import ANALYSES, by_suffix, moved
+from rattle.questions.strength.moved import by_suffix, motion_options, moved
 
 
 @model_command
 @click.option("--of", "joint", metavar="JOINT", required=True, help="The bearing: a pin, a guide, a slot or fixed.")
-@click.option(
-    "--analysis", type=click.Choice(ANALYSES), default=ANALYSES[0], show_default=True,
-    help="Which motion: in time, or as driven with all joints closed.",
-)  # fmt: skip
-@click.option("--t-end", type=time, help="End of the motion, in s or as '20 ms'; default: as in the model.")
-@click.option(
-    "--points", type=click.IntRange(2, 10_000_000), default=1001, show_default=True,
-    help="Number of instants, evenly spaced in time.",
-)  # fmt: skip
+@motion_options
 @click.option("-o", "--output", metavar="FILE", help="Picture (.svg, .png, .pdf) or table (.csv, SI units) over time.")
 @json_option("All curves as JSON, in SI units.")
 def bearing_moments(asked: Asked, joint: str, analysis: str, t_end: float | None, points: int) -> Shown:

@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rattle.atomic_file import atomic
 from rattle.description.model import GROUND, Joint, Model, frame_of
 from rattle.errors import InputError, suggest
 from rattle.language.quantities import Quantity, in_si
@@ -29,7 +28,8 @@ from rattle.questions.strength.known_motion import KnownMotion, known_motion
 from rattle.questions.strength.wrenches import at_joint
 from rattle.results.archive import package
 from rattle.results.display import quantity, table
-from rattle.results.result import Result, require_table
+from rattle.results.result import Result
+from rattle.results.table_file import write_frame
 from rattle.wrong_arguments import answers_in_words
 
 if TYPE_CHECKING:
@@ -104,10 +104,7 @@ class BearingMoments:
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write `table` as CSV, in SI units.  Raises InputError for a suffix of another format, OSError."""
-        require_table(path)
-        with atomic(Path(path)) as file:
-            self.table.to_csv(file, index=False, lineterminator="\n")
-        return Path(path)
+        return write_frame(self.table, path)
 
     def plot(self) -> Figure:
         """Force and moment over time."""

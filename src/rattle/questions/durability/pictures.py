@@ -11,6 +11,8 @@ from rattle.questions.durability.bands import bands
 from rattle.questions.durability.rows import TIRED, WORN
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.container import BarContainer
     from matplotlib.figure import Figure
 
     from rattle.questions.durability.compute import Durability
@@ -37,7 +39,7 @@ def plot_lives(d: Durability) -> Figure:
     ax = tidy(figure.subplots())
     least = 10.0 ** math.floor(math.log10(min(band.early for _, _, band in lives) / LEFT))
     most = 10.0 ** math.ceil(math.log10(max(band.late for _, _, band in lives)))
-    names: dict[str, object] = {}
+    names: dict[str, Artist | BarContainer] = {}
     for place, (_, what, band) in enumerate(lives):
         drawn = ax.barh(place, band.middle - least, left=least, height=0.6, color=COLOURS[what], label=what)
         names.setdefault(what, drawn)
@@ -50,5 +52,5 @@ def plot_lives(d: Durability) -> Figure:
     ax.set_yticks(range(len(lives)), [name for name, _, _ in lives])
     ax.set_xlabel("life [h]")
     ax.invert_yaxis()
-    legend_beside(ax, list(names.values()))  # type: ignore[arg-type]  # bars are as good
+    legend_beside(ax, list(names.values()))
     return figure

@@ -59,7 +59,7 @@ def _is_workbook(csv: str | None) -> bool:
 
 def _require_table(ctx: click.Context, param: click.Parameter, csv: str | None) -> str | None:
     """Refuse a name under which no table of samples is written, before anything runs.  Raises InputError."""
-    from rattle.results.result import require_table
+    from rattle.results.table_file import require_table
 
     if csv is not None and not _is_workbook(csv):
         require_table(csv)

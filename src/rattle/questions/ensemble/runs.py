@@ -21,7 +21,8 @@ from rattle.questions.ensemble.plans import Plan
 from rattle.questions.ensemble.store import Store
 from rattle.results.archive import package, write_content
 from rattle.results.chosen_units import column_unit
-from rattle.results.result import UnknownName, require_table
+from rattle.results.result import UnknownName
+from rattle.results.table_file import require_table
 from rattle.studies.runs.columns import in_one_unit
 from rattle.studies.runs.reasons import counted
 from rattle.studies.runs.task import Task

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rattle.analyses.driver_period import last_turn
-from rattle.atomic_file import atomic
 from rattle.errors import InputError
 from rattle.loading import loads
 from rattle.mechanism import Mechanism
@@ -26,7 +25,8 @@ from rattle.questions.power.steps import rows_at, settings_of
 from rattle.results.archive import package
 from rattle.results.contact_summary import TOWERS
 from rattle.results.display import quantity, table
-from rattle.results.result import Result, require_table
+from rattle.results.result import Result
+from rattle.results.table_file import write_frame
 from rattle.wrong_arguments import answers_in_words
 
 if TYPE_CHECKING:
@@ -170,10 +170,7 @@ class Power:
 
         Raises InputError for a suffix of another format, OSError.
         """
-        require_table(path)
-        with atomic(Path(path)) as file:
-            with_units(self.table).to_csv(file, index=False, lineterminator="\n")
-        return Path(path)
+        return write_frame(with_units(self.table), path)
 
     def plot(self) -> Figure:
         """Sankey picture of the cycle: sources on the left, bodies in between, losses and loads on the right."""

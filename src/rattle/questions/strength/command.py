@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rattle.cli.options import time
 from rattle.cli.question_command import Asked, Shown, Written, json_option, model_command
 from rattle.errors import InputError
-from rattle.questions.strength.moved import ANALYSES, by_suffix, moved
+from rattle.questions.strength.moved import by_suffix, motion_options, moved
 
 if TYPE_CHECKING:
     from rattle.questions.strength.compute import Strength
@@ -19,15 +18,7 @@ CURVES = ("normal", "shear", "moment", "stress", "deflection", "elongation")
 
 @model_command
 @click.option("--of", "body", metavar="BODY", help="The bar; default: a row for every bar with section and material.")
-@click.option(
-    "--analysis", type=click.Choice(ANALYSES), default=ANALYSES[0], show_default=True,
-    help="Which motion: in time, or as driven with all joints closed.",
-)  # fmt: skip
-@click.option("--t-end", type=time, help="End of the motion, in s or as '20 ms'; default: as in the model.")
-@click.option(
-    "--points", type=click.IntRange(2, 10_000_000), default=1001, show_default=True,
-    help="Number of instants, evenly spaced in time.",
-)  # fmt: skip
+@motion_options
 @click.option(
     "-o", "--output", metavar="FILE",
     help="Picture (.svg, .png, .pdf): along the bar of --of, or of the mechanism; or table (.csv) in SI units.",

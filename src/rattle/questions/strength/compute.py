@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from rattle.atomic_file import atomic
 from rattle.description.model import Beam, Body, Model, Section
 from rattle.errors import InputError, suggest
 from rattle.language.materials import Material
@@ -26,7 +25,8 @@ from rattle.questions.strength.section_forces import LoadedBar
 from rattle.questions.strength.wrenches import taken_together
 from rattle.results.archive import package
 from rattle.results.display import quantity, table
-from rattle.results.result import Result, require_table
+from rattle.results.result import Result
+from rattle.results.table_file import write_frame
 from rattle.wrong_arguments import answers_in_words
 
 if TYPE_CHECKING:
@@ -348,10 +348,7 @@ class Strength:
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write `table` as CSV, in SI units.  Raises InputError for a suffix of another format, OSError."""
-        require_table(path)
-        with atomic(Path(path)) as file:
-            self.table.to_csv(file, index=False, lineterminator="\n")
-        return Path(path)
+        return write_frame(self.table, path)
 
     def plot(self) -> Figure:
         """Normal and shear force, moment and stress along the bar: at the instant of the largest stress, and the range
