@@ -573,7 +573,7 @@ class OfResult:
 
         Planes of bodies and middles of joints are their `z`.  The motion is repeated from the model that the result
         holds.  In a tree of joints moments follow from balance alone; in a loop three are redundant, and bearings share
-        them by their stiffness against tilting: equal, or tilt_stiffness [N m/rad] by joint (others: 1 N m/rad); along
+        them by their stiffness against tilting: equal, or tilt_stiffness [N m/rad] of all of them; along
         z they are rigid.
         Raises InputError for an unknown joint, one that is no bearing, or bodies that nothing holds against tipping.
 

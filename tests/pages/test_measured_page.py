@@ -71,6 +71,11 @@ def test_a_page_refuses_what_does_not_fit_and_is_not_written(tmp_path, crank, be
     assert not (tmp_path / "page.html").exists()
 
 
+def test_a_page_takes_sources_one_by_one(tmp_path, crank, bench):
+    page(crank, tmp_path / "page.html", measured=(f"{bench}:{column}=rod.angle" for column in ("phi",)))
+    assert '"measured"' in (tmp_path / "page.html").read_text(encoding="utf-8")
+
+
 def test_a_report_has_a_section_on_measured_curves(tmp_path, crank, bench):
     write_report(crank, tmp_path / "r.html", measured=[f"{bench}:phi=rod.angle"])
     text = (tmp_path / "r.html").read_text(encoding="utf-8")

@@ -150,11 +150,13 @@ def in_space(r, k, stiffness):
     return dict(zip(pins, whole, strict=True))
 
 
-@pytest.mark.parametrize("stiffness", [{}, {"A": 5.0, "C": 0.2}])
+@pytest.mark.parametrize("stiffness", [{}, {"A": 5.0, "B": 1.0, "C": 0.2, "D": 1.0}])
 def test_bearings_in_a_loop_share_moments_as_the_least_energy_in_space_does(stiffness):
     r = rt.loads(LOOP).inverse_dynamics([0.01, 0.2, 0.5])
     for pin in ENDS:
         b = r.bearing_moments(pin, tilt_stiffness=stiffness)
+        with pytest.raises(rt.InputError, match="state all"):
+            r.bearing_moments(pin, tilt_stiffness={"A": 5.0})
         assert not b.determinate
         assert any("share" in remark for remark in b.remarks)
         for k in range(3):

@@ -53,6 +53,12 @@ class BearingPlay:
     capacity: float = math.nan  # basic dynamic radial load rating C, of its catalogue [N]
     exponent: float = EXPONENTS[BALL]  # of the basic rating life
 
+    @property
+    def words(self) -> str:
+        """The bearing in one line: "6208 C3: radial play 7.5 to 16.5 um, before mounting"."""
+        least, largest = (f"{movement * 1e6 / 2.0:.6g}" for movement in (self.least, self.largest))
+        return f"{self.title}: radial play {least} to {largest} um, before mounting"
+
     def turns(self, load: float) -> float:
         """Turns that 90 % of such bearings survive under an equivalent load [N]: 1e6 (C/P)^p, nan without capacity.
 

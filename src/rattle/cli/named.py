@@ -107,7 +107,7 @@ def oil(oil_: str, temperatures: tuple[str, ...], vi: str | None, density: str |
 
 
 def _of_oil(kelvin: float, kinematic: float, density: float, viscosity: float) -> list[str]:
-    """An oil at fit temperature as a line of a table."""
+    """An oil at one temperature as a line of a table."""
     from rattle.language.units import FREEZING
 
     figures = (viscosity * MILLI, kinematic * MM2, density)

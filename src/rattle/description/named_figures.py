@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from rattle.catalogue.bearings import BearingPlay
 from rattle.description.model import Model
 from rattle.language.materials import HANDBOOK, OF_MODEL, Material
-
-CELSIUS = 273.15  # 0 degC [K]
+from rattle.language.units import FREEZING
 
 
 def named_figures(model: Model) -> list[str]:
@@ -19,23 +17,15 @@ def named_figures(model: Model) -> list[str]:
 
 def _plays(model: Model) -> Iterator[str]:
     for name, joint in model.joints.items():
-        named = joint.named
-        if isinstance(named, BearingPlay):
-            play = f"radial play {_um(named.least / 2)} to {_um(named.largest / 2)} um, before mounting"
-            yield f"{name}, {named.title}: {play} ({named.source})"
-        elif named is not None:
-            yield f"{name}, {named.words} ({named.source})"
-
-
-def _um(length: float) -> str:
-    return f"{1e6 * length:.6g}"
+        if joint.named is not None:
+            yield f"{name}, {joint.named.words} ({joint.named.source})"
 
 
 def _oils(model: Model) -> Iterator[str]:
     for name, joint in model.joints.items():
         film = joint.contact.film if joint.contact is not None else None
         if film is not None and film.oil is not None:
-            oil, warm = film.oil.oil, film.oil.temperature - CELSIUS
+            oil, warm = film.oil.oil, film.oil.temperature - FREEZING
             figures = f"{1e3 * film.oil.viscosity:.4g} mPa*s, {film.oil.density:.4g} kg/m^3"
             assumed = f"; assumed: {'; '.join(oil.assumed)}" if oil.assumed else ""
             yield f"{name}, {oil.title} at {warm:.4g} degC: {figures} (ISO 3448, ASTM D341, D2270{assumed})"

@@ -14,8 +14,8 @@ from rattle.description.tables import OIL
 from rattle.errors import InputError
 from rattle.language.expression import parse, value
 from rattle.language.recorded import bare
+from rattle.language.units import FREEZING
 
-ZERO = 273.15  # 0 degC [K]
 OIL_KEYS = ("oil", "temperature")
 # the law as `Oil.viscosity` has it, so that a temperature that is recorded keeps its record
 KINEMATIC = "(10**(10**(A - B*log(T)/log(10))) - shift)/mm2"
@@ -55,9 +55,9 @@ def read_oil(reader: FieldReader, table: Table, path: Path) -> tuple[OilAt | Non
 
 def _outside(warm: float) -> str:
     """What is said of a temperature [K] at which oils are not used."""
-    asked = f"; a number is kelvin: write '{warm:.9g} degC'" if COLDEST <= warm + ZERO <= HOTTEST else ""
-    ends = f"{COLDEST - ZERO:g} ... {HOTTEST - ZERO:g} degC"
-    return f"{warm - ZERO:.6g} degC is outside {ends}, where oils set or burn{asked}"
+    asked = f"; a number is kelvin: write '{warm:.9g} degC'" if COLDEST <= warm + FREEZING <= HOTTEST else ""
+    ends = f"{COLDEST - FREEZING:g} ... {HOTTEST - FREEZING:g} degC"
+    return f"{warm - FREEZING:.6g} degC is outside {ends}, where oils set or burn{asked}"
 
 
 def _oil(reader: FieldReader, written: Any, path: Path) -> Oil | None:

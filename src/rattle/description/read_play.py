@@ -21,6 +21,7 @@ from rattle.description.tables import CLEARANCE, DISTRIBUTIONS, PLAY
 from rattle.errors import InputError, suggest
 from rattle.language.materials import Material
 from rattle.language.recorded import bare
+from rattle.language.units import FREEZING
 
 ROOM = 293.15  # temperature at which drawings hold [K], ISO 1
 COLDEST = 150.0  # [K]; colder is a slip: a number of degC that was written without its unit
@@ -173,7 +174,7 @@ def _when_cold(values: Values, joint: str, written: Table, read: Mapping[str, fl
 
 def _closed(read: Mapping[str, float | None], clearance: float) -> str:
     warm = read["temperature"]
-    at = "" if warm is None else f" at {bare(warm) - 273.15:.4g} degC"
+    at = "" if warm is None else f" at {bare(warm) - FREEZING:.4g} degC"
     return f"the pin has no play left{at}: its radial play would be {1e6 * clearance:.4g} um"
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rattle.errors import TraceError
-from rattle.exchange.measured import require_readable
+from rattle.exchange.measured import require_readable, sources_of
 from rattle.mechanism import Mechanism
 from rattle.pages.engine import engine_of_pages
 from rattle.pages.live_model import FOLLOWS, LiveModel, live_model
@@ -45,6 +45,7 @@ def page(
     ModelError, AssemblyError, InputError, OSError.
     """
     words_in(language)  # it is refused before anything runs, as files are that cannot be read
+    measured = sources_of(measured)
     require_readable(measured)
     scene, why = None, "these values were asked for"
     if over is None:

@@ -7,7 +7,6 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
-from rattle.catalogue.fits import Fit
 from rattle.description.changes import Path
 from rattle.description.read_contact import contact_models
 from rattle.description.switch_contact import contact_of, recontact
@@ -277,7 +276,7 @@ def _into_joint(revision: Revision, name: str, field: str, text: str) -> Drawing
     if named is not None:
         _without_play(revision, name, entry, ("clearance", "bearing"))
         revision.enter(("joints", name, named.key), named.value)
-        words = named.named.words if isinstance(named.named, Fit) else f"radial play of {named.named.title}"
+        words = named.named.words
         if "contact" not in entry:
             revision.enter(("joints", name, "contact"), CONTACTS[0])
         return revision.finish(f"{name}: {words}, contact {_model(entry)}", f"joint {name}")

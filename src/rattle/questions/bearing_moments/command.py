@@ -18,7 +18,7 @@ def bearing_moments(asked: Asked, joint: str, analysis: str, t_end: float | None
 
     FILE is a model file or the name of a shipped example. Offsets of the planes of bodies, and of the middles of
     joints, are their z; the ground is at 0, and a joint without z half way between its bodies. With the length of the
-    bearing the load of its edge is known: F/2 + M/length.
+    bearing the load of its edge is known: F/2 + M/length at most.
 
     \b
     [bodies.crank]

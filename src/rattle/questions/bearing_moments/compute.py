@@ -60,7 +60,10 @@ class BearingMoments:
 
     @property
     def edge_load(self) -> Array:
-        """Load (n,) [N] of the end of the bearing that bears more: |F|/2 + |M|/length; nan without length."""
+        """Load (n,) [N] of the end that bears more, at most: |F|/2 + |M|/length; nan without length.
+
+        It is that where the force and the couple's forces lie on one line, else less.
+        """
         load: Array = 0.5 * np.hypot(self.fx, self.fy) + np.hypot(self.mx, self.my) / self.length
         return load
 
@@ -152,12 +155,15 @@ def is_bearing(joint: Joint) -> bool:
 def _stiffness(model: Model, written: Mapping[str, Quantity]) -> dict[str, float]:
     """Stiffnesses [N m/rad] by joint.  Raises InputError."""
     stiffness = {}
+    bearings = [name for name, joint in model.joints.items() if is_bearing(joint)]
     for name, value in written.items():
-        if name not in model.joints:
-            raise InputError(f"tilt_stiffness: no joint '{name}'{suggest(name, model.joints)}")
+        if name not in bearings:
+            raise InputError(f"tilt_stiffness: no bearing '{name}'{suggest(name, bearings)}")
         stiffness[name] = in_si(value, f"tilt_stiffness of {name}", "N*m/rad", '"2e4 N*m/rad"')
         if not 0.0 < stiffness[name] < np.inf:
             raise InputError(f"tilt_stiffness of {name} must be positive, not {stiffness[name]:g} N*m/rad")
+    if missing := [name for name in bearings if stiffness and name not in stiffness]:
+        raise InputError(f"tilt_stiffness: {', '.join(missing)} share them too; state all, or none for equal ones")
     return stiffness
 
 

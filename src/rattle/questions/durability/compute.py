@@ -16,7 +16,7 @@ from rattle.answers.answer import Answer, Number
 from rattle.answers.blocks import Block, Content, drawing, table, words
 from rattle.errors import ModelError, Problem
 from rattle.mechanism import Mechanism
-from rattle.questions.durability.bands import FATIGUE, WEAR, Bands, bands, failed
+from rattle.questions.durability.bands import FATIGUE, SLOPE, WEAR, Bands, bands, failed
 from rattle.questions.durability.cases import Duty, with_duty
 from rattle.questions.durability.larger import advice
 from rattle.questions.durability.rows import HOUR, TIRED, WORN, Row, rows_of
@@ -190,6 +190,8 @@ def _remarks(rows: Sequence[Row]) -> tuple[str, ...]:
         remarks.append(
             f"assumed, not measured: 10 and 90 % of fatigue lives at {FATIGUE[0]:g} and {FATIGUE[1]:g} times the life"
         )
+    if any(row.fatigue_band != FATIGUE for row in lives[TIRED]):
+        remarks.append(f"assumed: lives of rolling bearings scatter with Weibull's slope {SLOPE:g} beyond L10 too")
     named: dict[str, list[str]] = {}
     for row in rows:
         for note in row.notes:

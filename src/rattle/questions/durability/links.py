@@ -27,10 +27,5 @@ def links(case: Case) -> dict[str, Link]:
 
 def _link(case: Case, strength: Strength) -> Link:
     life, safety = float(strength.life), float(strength.safety)
-    notes = []
-    if math.isnan(life):
-        notes.append("no fatigue life: its material says no ultimate, endurance or exponent")
-    if math.isnan(safety):
-        notes.append("no safety: its material says no yield")
     used = math.inf if life == 0.0 else 1.0 / (life * case.duration)
-    return Link(float(np.nanmax(np.abs(strength.normal))), used, safety, tuple(notes))
+    return Link(float(np.nanmax(np.abs(strength.normal))), used, safety, strength.remarks)

@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
+import math
+
 from rattle.answers.html import html_of
+from rattle.catalogue.bearings import BearingPlay
+from rattle.description.model import Joint
 from rattle.pages.report_html import Section, paragraph
 from rattle.pages.report_study import Headline, Study, tried
 from rattle.questions.durability.compute import Durability
+from rattle.questions.strength.compute import bars_of
 
 
 def gather(study: Study) -> None:
     model = study.m.model
-    bars = any(body.beam is not None and body.beam.section is not None for body in model.bodies.values())
-    if not (model.duty or bars or any(joint.wears is not None for joint in model.joints.values())):
-        study.reasons["durability"] = "no joint says how it wears, and no bar has a section"
+    if not (model.duty or bars_of(model) or any(map(_ages, model.joints.values()))):
+        study.reasons["durability"] = "no joint says how it wears or tires, and no bar has section and material"
         return
     study.keep("durability", tried(study, "durability", "computing how long it lasts", study.m.durability))
+
+
+def _ages(joint: Joint) -> bool:
+    """True of a joint that says how it wears, and of a rolling bearing with its capacity."""
+    rolls = isinstance(joint.named, BearingPlay) and not math.isnan(joint.named.capacity)
+    return joint.wears is not None or rolls
 
 
 def section(s: Study) -> Section:
@@ -33,4 +43,4 @@ def headline(s: Study) -> list[Headline]:
     return [("Fails first", f"{answer.first.hours:.4g} h", f"{answer.first.name}, by {answer.first.what}")]
 
 
-SECTIONS = ((85, section),)
+SECTIONS = ((87, section),)

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 NO_PRESS = 1e-9  # share of the largest force below which a compression is rounding
-SLENDER = 5.0  # length over height of a bar below which shear deforms it by more than some per cent of its bending
+SLENDER = 5.0  # length over height of a bar below which shear deforms it by more than a tenth of its bending
 FEW_PERIODS = 2.0  # of the first bending vibration: a contact that is shorter makes the bar ring
 FOR_LIFE = {"ultimate": "ultimate", "endurance": "endurance", "exponent": "exponent"}  # keys and fields of a material
 NOT_COMPUTED = "buckling is that in the plane between pinned ends; out of the plane and with other ends: not computed"
@@ -274,7 +274,7 @@ class Strength:
             )
         limit = self.euler_load / self.section.area
         if np.isfinite(self.buckling).any():
-            if limit > material.yield_strength:
+            if limit > material.yield_strength and not float(np.nanmin(self.buckling, initial=math.inf)) < 1.0:
                 yield (
                     f"too short for Euler's formula, whose stress of {in_mega(limit)} is above yield: the bar yields"
                     " before it buckles"
