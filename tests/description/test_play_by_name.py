@@ -170,6 +170,19 @@ def test_a_rolling_bearing_is_half_its_radial_movement():
 
 
 @pytest.mark.parametrize(
+    ("play", "name", "value", "words"),
+    [
+        (f"clearance = {FIT}", "O.bore", "12e-6 N", "'12e-6 N' is a force; expected a length in m"),
+        (f"clearance = {FIT}", "O.pin", "3 rad", "expected a length in m"),
+        ('bearing = "6208 C3"', "O.play", "20 degC", "'20 degC' is a temperature; expected a length in m"),
+    ],
+)
+def test_what_is_no_length_is_no_diameter_and_no_play(play, name, value, words):
+    with pytest.raises(ModelError, match=words):
+        rt.loads(loose(play)).set({name: value})
+
+
+@pytest.mark.parametrize(
     ("text", "words"),
     [
         ('bearing = "6208 C9"', "C9"),

@@ -130,6 +130,28 @@ def test_oil_is_told(tmp_path):
     assert "one viscosity for the whole film" in page.text
 
 
+@pytest.mark.parametrize(
+    ("play", "row"),
+    [
+        ('clearance = { fit = "H7/g6", diameter = "8 mm" }', ("O.pin", "−9.5 µm", "±4.5 µm")),
+        ('bearing = "6208 C3"', ("O.play", "12 µm", "±4.5 µm")),
+    ],
+)
+def test_diameters_of_a_fit_are_in_the_table_of_parameters(tmp_path, play, row):
+    """Also of a file that has no table of parameters of its own."""
+    text = f"""
+format = 1
+ground.points.O = [0, 0]
+bodies.pin = {{ points = {{ P = [0, 0] }}, mass = 1, inertia = 1e-3 }}
+joints.O = {{ type = "revolute", connect = ["ground.O", "pin.P"], {play}, contact = "massless-link" }}
+"""
+    page = write(rt.loads(text), tmp_path, t_end="1 us")
+    at = page.text.index(row[0])
+    assert page.text.rindex("Parameters", 0, at) > 0
+    assert all(word in page.text[at : at + 60] for word in row)
+    assert "follow from others" not in page.text
+
+
 def test_a_mechanism_at_rest_has_its_equilibria(tmp_path):
     m = rt.example("balanced_arm")
     page = write(m, tmp_path, t_end="0.5 s")

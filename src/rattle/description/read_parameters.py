@@ -36,7 +36,7 @@ def read_parameters(values: Values, document: Table) -> dict[str, Parameter]:
     _dependent(values, dependent, written)
     defaults = dict(hidden_parameters(values, document))
     for name, default in defaults.items():
-        if name not in values.constants:
+        if name not in values.constants or not _is_length(values, name, *written[name]):
             values.set_constant(name, default.value, LENGTH)
     parameters: dict[str, Parameter] = {}
     for name in (name for name in table if name in values.constants):
@@ -80,6 +80,15 @@ def _is_left_over(values: Values, name: str, document: Table) -> bool:
     values.wrong(("parameters", name), fault, at_key=True)
     values.broken.add(name)
     return True
+
+
+def _is_length(values: Values, name: str, entry: object, path: Path) -> bool:
+    """True of a parameter whose value is a length, or says no unit; False after a problem."""
+    seen = values.dimensions.get(name)
+    if seen is None or seen == LENGTH:
+        return True
+    values.wrong(path, f"{quoted(entry)} is {describe(seen)}; expected {expected(unit_name(LENGTH))}")
+    return False
 
 
 def _of_name(parameter: Parameter, default: Hidden) -> Parameter:

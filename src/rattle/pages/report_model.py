@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rattle import registry
-from rattle.description.model import Contact, Joint, Model, ValueTable
+from rattle.description.model import Contact, Joint, Model, Parameter, ValueTable
 from rattle.language.units import parse_quantity
 from rattle.pages.report_html import Section, count, enumerated, handy, listed, paragraph, placed, sentence, table
 from rattle.pages.report_study import Study
@@ -137,10 +137,11 @@ def _parameters(model: Model, written: Tree) -> list[str]:
     """A table of the parameters that are given, and one of those that follow from others."""
     free, derived = list[tuple[str, ...]](), list[tuple[str, ...]]()
     for name, p in model.parameters.items():
-        entry = written["parameters"].get(name, {})
+        told = written.get("parameters", {})
+        entry = told.get(name, _of_the_name(p))
         entry = entry if isinstance(entry, Mapping) else {"value": entry}
         text = _text(entry.get("value", ""))
-        plain = parse_quantity(text) is not None
+        plain = name not in told or parse_quantity(text) is not None
         dist = "" if not p.dist else " (table of values)" if isinstance(p.dist, ValueTable) else f" ({p.dist})"
         tol = f"±{_text(entry['tol'])}{dist}" if "tol" in entry else dist.strip()
         span = " to ".join(_text(entry[key]) for key in ("min", "max") if key in entry)
@@ -150,6 +151,11 @@ def _parameters(model: Model, written: Tree) -> list[str]:
         (free if plain else derived).append((row[:2] + row[3:]) if plain else row)
     head = ("parameter", "value", "follows from", "range", "tolerance", "meaning")
     return [table(head[:2] + head[3:], free, "Parameters"), table(head, derived, "Parameters that follow from others")]
+
+
+def _of_the_name(p: Parameter) -> dict[str, str]:
+    """What would be written of a parameter that a fit or a bearing brings along."""
+    return {"value": handy(p.value, p.unit, 6), **({"tol": handy(p.tol, p.unit, 6)} if p.tol else {})}
 
 
 def _start(written: Tree) -> str:
