@@ -15,7 +15,7 @@ def test_the_guide_about_strength_prints_what_it_shows(tmp_path, monkeypatch):
     with contextlib.redirect_stdout(said):
         exec(compile(code, "strength.md", "exec"), {})
     lines = [line for language, text in BLOCKS if language == "text" for line in text.splitlines()]
-    assert len(lines) == 9
+    assert len(lines) == 10
     for line in lines:
         assert shows(said.getvalue(), line, 1e-3), f"{line}\n{said.getvalue()}"
     assert (tmp_path / "strength.png").stat().st_size > 10_000

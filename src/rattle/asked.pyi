@@ -30,7 +30,7 @@ from rattle.questions.modes.compute import Modes
 from rattle.questions.optimise.optimum import Optimum
 from rattle.questions.poincare.compute import Section
 from rattle.questions.power.compute import Power
-from rattle.questions.strength.compute import Strength
+from rattle.questions.strength.answer import Strength
 from rattle.questions.sweep.compute import Sweep
 from rattle.questions.tolerance.largest import Largest
 from rattle.questions.tolerance.report import Tolerance
@@ -559,12 +559,14 @@ class OfResult:
         in Python that are not known here."""
         ...
     def strength(self, body: str) -> Strength:
-        """What a bar bears: normal and shear force, moment, stress, deflection along it, buckling, safety and life.
+        """What a bar or the neck of a plate bears: normal and shear force, moment, stress, safety, life; of a bar also
 
-        body: a bar with `section` and `material`.  The motion, of `simulate` or `inverse_dynamics`, is repeated from
-        the model that the result holds; instants are those of the result.
-        Raises InputError for another body or a result of another analysis, SolverError if the forces on the bar do not
-        balance its inertia.
+        deflection and buckling.
+
+        body: a bar with `section` and `material`, or "plate.neck" of a plate with `necks`.  The motion, of `simulate`
+        or `inverse_dynamics`, is repeated from the model that the result holds; instants are those of the result.
+        Raises InputError for another name or a result of another analysis, SolverError if forces do not balance the
+        inertia.
 
         Source: Timoshenko, Strength of Materials I (1955); ASTM E1049-85; docs/theory.md, section 12."""
         ...

@@ -73,7 +73,7 @@ class Mechanism(OfMechanism, AnalysedModel):
         self, body: str, t_eval: Sequence[Seconds] | np.ndarray | None = None, *, analysis: str = "simulate",
         **options: Any,
     ) -> Any:  # fmt: skip
-        """What a bar bears in a motion, see `Result.strength`.
+        """What a bar or plate bears in a motion, see `Result.strength`.
 
         t_eval: instants [s]; default: those of the model's run.  analysis: "simulate" or "inverse-dynamics".
         options: of that analysis.  Raises InputError for another analysis or no such bar, and what it raises.

@@ -72,6 +72,15 @@ class Beam:
 
 
 @dataclass(frozen=True)
+class Sheet:
+    """What a plate is made of, and where it is cut to see what it bears."""
+
+    thickness: float  # [m]; nan if it is not known
+    material: Material | None
+    necks: Mapping[str, tuple[Vector, Vector]]  # both ends of each cut, relative to the mass centre [m]
+
+
+@dataclass(frozen=True)
 class Body:
     """A rigid body. Points are in its frame, relative to its mass centre [m].
 
@@ -85,7 +94,14 @@ class Body:
     bar: bool = False
     outline: tuple[tuple[Vector, ...], ...] = ()  # of a plate: corners of its polygon, then those of each hole
     beam: Beam | None = None  # of a bar
+    sheet: Sheet | None = None  # of a plate
     z: float = 0.0  # offset of its plane [m]
+
+    @property
+    def material(self) -> Material | None:
+        """Of which a bar or a plate is; None if that is not said."""
+        made = self.beam or self.sheet
+        return made.material if made is not None else None
 
 
 GROUND = "ground"

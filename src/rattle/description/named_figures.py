@@ -33,7 +33,7 @@ def _oils(model: Model) -> Iterator[str]:
 
 def _materials(model: Model) -> Iterator[str]:
     for name, body in model.bodies.items():
-        material = body.beam.material if body.beam is not None else None
+        material = body.material
         if material is not None:
             yield f"{name}, {material.name}: {_constants(material)} ({_source(material)})"
 

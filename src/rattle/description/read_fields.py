@@ -201,6 +201,21 @@ def _rings(values: Values, field: Field, written: object, path: Path) -> list[li
     return rings if all(rings) else None
 
 
+def _cuts(values: Values, field: Field, written: object, path: Path) -> dict[str, tuple[Vector, Vector]]:
+    """Both ends of every cut [m], by name; without those that have a problem."""
+    cuts = {}
+    for name, ends in values.table(written, path).items():
+        values.require_name(name, (*path, name))
+        if not isinstance(ends, list | tuple) or len(ends) != 2:
+            values.wrong((*path, name), f"expected two points, [[x, y], [x, y]], got {quoted(ends)}")
+            continue
+        before = len(values.problems)
+        first, second = (values.vector(end, field.unit, (*path, name, k)) for k, end in enumerate(ends))
+        if len(values.problems) == before:
+            cuts[name] = (first, second)
+    return cuts
+
+
 def _word(words: str, names: Callable[[], Iterable[str]]) -> Callable[[Values, Field, object, Path], str]:
     """A reader of one of some names, "" after a problem; words: what they are names of."""
 
@@ -315,6 +330,7 @@ MANY = {"pair": 2, "triple": 3}  # shapes of several numbers, and how many
 SHAPES: Mapping[str, Callable[[Values, Field, Any, Path], Any]] = {  # of all shapes but numbers
     "choice": _choice,
     "constant": _constant,
+    "cuts": _cuts,
     "each": _each,
     "file": _file,
     "film": _word("film", lambda: registry.kinds("film")),

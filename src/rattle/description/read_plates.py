@@ -5,14 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from rattle.description.model import Body, Vector
+from rattle.description.cuts import Cut, CutFault
+from rattle.description.model import Body, Sheet, Vector
 from rattle.description.polygon import MOST_CORNERS, fault_of_holes, figure_of, watch
 from rattle.description.read_fields import FieldReader
+from rattle.description.read_materials import material_named
 from rattle.description.read_values import Values, is_computable
 from rattle.description.reading import Path, Table
 from rattle.description.tables import PLATE
+from rattle.language.materials import Material
 from rattle.language.recorded import bare
 
+NO_WEIGHT = "thickness in m and density in kg/m^3, or a mass in kg"
 FOLLOW = {"center": "the mass centre", "inertia": "the inertia"}  # what the polygon says, unless both are given
 
 
@@ -27,7 +31,8 @@ def read_plate(reader: FieldReader, name: str, table: Table) -> Body:
     outline, points = read["polygon"], read["points"] or {}
     holes = read["holes"] if "holes" in table else ()
     sound = bool(outline) and holes is not None and _rings_fit(values, outline, holes, path)
-    per_area, mass = _weight(values, table, read, path)
+    material = material_named(values, table["material"], (*path, "material")) if "material" in table else None
+    per_area, mass = _weight(values, table, read, material, path)
     if not sound:
         return Body(name, math.nan, math.nan, points)
     watch((outline, *holes))
@@ -41,7 +46,26 @@ def read_plate(reader: FieldReader, name: str, table: Table) -> Body:
         return tuple((x - cx, y - cy) for x, y in ring)
 
     placed = dict(zip(points, of_centre(list(points.values())), strict=True))
-    return Body(name, mass, inertia, placed, outline=tuple(map(of_centre, (outline, *holes))), z=read["z"])
+    rings = tuple(map(of_centre, (outline, *holes)))
+    necks = {name: of_centre(list(ends)) for name, ends in (read["necks"] or {}).items()}
+    _require_cut(values, rings, necks, path)
+    if necks and "thickness" not in table:
+        values.wrong((*path, "necks"), "stresses there need the thickness of the plate in m", at_key=True)
+    sheet = Sheet(
+        read.get("thickness", math.nan), material, {name: (first, second) for name, (first, second) in necks.items()}
+    )
+    return Body(name, mass, inertia, placed, outline=rings, sheet=sheet, z=read["z"])
+
+
+def _require_cut(
+    values: Values, rings: Sequence[Sequence[Vector]], necks: Mapping[str, tuple[Vector, ...]], path: Path
+) -> None:
+    """Note necks that do not divide the plate in two."""
+    for name, (first, second) in necks.items():
+        try:
+            Cut(rings, (first, second))
+        except CutFault as fault:
+            values.wrong((*path, "necks", name), str(fault))
 
 
 def _states_its_own(values: Values, table: Table, path: Path) -> bool:
@@ -72,12 +96,18 @@ def _rings_fit(values: Values, outline: Sequence[Vector], holes: Sequence[Sequen
     return not wrong
 
 
-def _weight(values: Values, table: Table, read: Mapping[str, float], path: Path) -> tuple[float, float]:
+def _weight(
+    values: Values, table: Table, read: Mapping[str, float], material: Material | None, path: Path
+) -> tuple[float, float]:
     """Mass per area [kg/m^2] and mass [kg] of a plate, nan for the one that is not given, and after a problem."""
-    both = [key for key in ("thickness", "density") if key in table]
-    if "mass" in table and both:
-        values.wrong((*path, "mass"), "give thickness and density, or a mass in kg, not both", at_key=True)
-    elif "mass" not in table and len(both) < 2:
-        missing = {"thickness": "a density in kg/m^3", "density": "a thickness in m"}.get("".join(both))
-        values.wrong(path, f"needs {missing or 'thickness in m and density in kg/m^3, or a mass in kg'}")
-    return read.get("thickness", math.nan) * read.get("density", math.nan), read.get("mass", math.nan)
+    if "mass" in table:
+        if "density" in table:
+            values.wrong((*path, "mass"), "give thickness and density, or a mass in kg, not both", at_key=True)
+        return math.nan, read.get("mass", math.nan)
+    density = read.get("density", math.nan if material is None else material.density)
+    known = "density" in table or ("material" in table and (material is None or not math.isnan(bare(density))))
+    if "thickness" not in table or not known:
+        missing = "a thickness in m" if known else "a density in kg/m^3" if "thickness" in table else NO_WEIGHT
+        values.wrong(path, f"needs {missing}")
+        return math.nan, math.nan
+    return read["thickness"] * density, math.nan

@@ -435,16 +435,17 @@ class Values:
         x, y = (self.value(part, unit, (*path, k), least, live) for k, part in enumerate(written))
         return x, y
 
+    def require_name(self, name: str, path: Path) -> None:
+        """Note a key that is no name."""
+        if not name.isidentifier():
+            why = f"{quoted(name)} is not a name; expected letters, digits and _, not starting with a digit"
+            self.wrong(path, why, at_key=True)
+
     def points(self, written: object, path: Path, live: bool) -> Mapping[str, tuple[Value, Value]]:
         """A table of named points [m]; if `live`, each coordinate may be a Node."""
         points = {}
         for name, at in self.table(written, path).items():
-            if not name.isidentifier():
-                self.wrong(
-                    (*path, name),
-                    f"{quoted(name)} is not a name; expected letters, digits and _, not starting with a digit",
-                    at_key=True,
-                )
+            self.require_name(name, (*path, name))
             points[name] = self.vector(at, "m", (*path, name), live, "")
         return points
 

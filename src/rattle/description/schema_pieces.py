@@ -121,6 +121,7 @@ SHAPES: Mapping[str, Callable[[Field], Schema]] = {  # of all shapes but numbers
     "bodies": lambda field: connect({"type": "string", "description": "a body", NAMES: "bodies"}, field.meaning),
     "constant": lambda field: {"const": field.choices[0]},
     "ends": lambda field: connect(point(field.meaning)),
+    "cuts": lambda field: named(array(vector("m", "end of the cut"), 2, 2), field.meaning),
     "distribution": lambda field: {"enum": list(DISTRIBUTIONS), "description": field.meaning},
     "each": lambda field: array(PLAIN, 2, 2),
     "file": lambda field: {"type": "string"},

@@ -8,10 +8,10 @@ drivers and laws have their own keys in the classes of their kinds, see `rattle.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rattle.catalogue import fits
-from rattle.registry import Field
+from rattle.registry import REQUIRED, Field
 
 DISTRIBUTIONS = ("uniform", "normal", "triangular")
 CURVES = ("linear", "monotone", "spline")  # kinds of table
@@ -99,6 +99,8 @@ SECTION_NUMBERS = {
     "inertia": Field("m^4", "second moment of area for bending in the plane", least="positive"),
     "modulus": Field("m^3", "section modulus for bending in the plane", least="positive"),
 }
+MADE_OF = Field("", "of which it is: a name, of [materials] or known", None, shape="material of a body")
+THICKNESS = Field("m", "thickness", least="positive")
 PLANE = Field("m", "offset of its plane from that of the ground, for bearing moments", 0.0)
 BAR = Form(
     {
@@ -115,7 +117,7 @@ BAR = Form(
             None,
             shape="section",
         ),
-        "material": Field("", "of which it is: a name, of [materials] or known", None, shape="material of a body"),
+        "material": MADE_OF,
         "mass_per_length": Field(
             "kg/m",
             "[[x, mass per length], ...], x from the first end, straight between: says mass, centre, inertia",
@@ -133,17 +135,22 @@ PLATE = Form(
         "points": _points("points in the same frame"),
         "center": Field("m", "mass centre in the same frame, with mass and inertia", None, shape="pair"),
         "inertia": Field("kg*m^2", "about the mass centre, with mass and center", None, least="not negative"),
+        "necks": Field(
+            "m", "{ name = [[x, y], [x, y]] }: cuts from edge to edge, in the same frame, for stresses there", None,
+            shape="cuts",
+        ),
         "z": PLANE,
     },
     "a plate: its polygon says mass centre and inertia, unless mass, center and inertia are given",
     ways=(
+        {"thickness": THICKNESS, "density": Field("kg/m^3", "density", least="positive"), "material": MADE_OF},
+        {"thickness": THICKNESS, "material": replace(MADE_OF, default=REQUIRED)},
         {
-            "thickness": Field("m", "thickness", least="positive"),
-            "density": Field("kg/m^3", "density", least="positive"),
+            "mass": Field("kg", "mass", least="positive"),
+            "thickness": replace(THICKNESS, default=None), "material": MADE_OF,
         },
-        {"mass": Field("kg", "mass", least="positive")},
     ),
-)
+)  # fmt: skip
 BODY = Form(
     {
         "points": _points("points in any frame of the body"),

@@ -56,7 +56,8 @@ def animate(
     At most `frames` pictures, evenly spaced in time, shown at `fps` [1/s].
     trace: names of points ("coupler.P") whose paths are drawn.  names: label the bodies with their names.
     power: arrows through joints, and from drivers and loads, whose width is the power.
-    stress: bars with section and material have the colour of their stress, and their moments beside them.
+    stress: bars with section and material, and necks of plates, have the colour of their stress, bars their moments
+            beside them.
     speed: of the animation relative to the motion, 0.1 for ten times slower; it sets the number of frames.
     dpi: resolution [1/inch].
 
@@ -113,7 +114,7 @@ def scene(
     if power:
         updates += draw_power(ax, stage, result.power())
     if stress:
-        updates += draw_stress(ax, stage, [result.strength(name) for name in _bars(result)])
+        updates += draw_stress(ax, stage, [result.strength(name).drawn for name in _stressed(result)])
     small = Stage(written, result.geometry, stage, 1.0, ACROSS)
     for inset, picture in zip(insets, loose, strict=True):
         updates += _inset(inset, stage, small, picture)
@@ -128,12 +129,16 @@ def scene(
     return figure, update, len(pick)
 
 
-def _bars(result: Result) -> list[str]:
-    """Names of the bars with section and material in the model of a result.  Raises InputError without any."""
+def _stressed(result: Result) -> list[str]:
+    """Names of the bars with section and material, and of the necks of plates, in the model of a result.
+
+    Raises InputError without any.
+    """
     bodies = json.loads(str(result.provenance.get("document") or "{}")).get("bodies", {})
     names = [name for name, body in bodies.items() if {"bar", "section", "material"} <= set(body)]
+    names += [f"{name}.{neck}" for name, body in bodies.items() for neck in body.get("necks", {})]
     if not names:
-        raise InputError("stress: no bar of this result has a section and a material")
+        raise InputError("stress: no bar of this result has a section and a material, and no plate has necks")
     return names
 
 

@@ -1,9 +1,9 @@
-"""Bars in a drawing that moves, coloured by their stress, with their moments beside them on the side that is pulled."""
+"""Bars and cuts in a drawing that moves, coloured by their stress; moments of bars on the side that is pulled."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -20,27 +20,16 @@ PALE, DARK = 0.9, MORE[0]  # colours grow darker with the stress, from so much w
 WIDE = 6.0  # width of a coloured bar [pt]
 
 
-class LoadedBar(Protocol):
-    """What is drawn of a bar: see `Result.strength`."""
+class Drawn(NamedTuple):
+    """What is drawn of a bar or of a cut through a plate."""
 
-    @property
-    def body(self) -> str:
-        """Its name."""
-
-    @property
-    def places(self) -> Array:
-        """Points (nx,) along its axis, from the mass centre [m]."""
-
-    @property
-    def stress(self) -> Array:
-        """(n, nx) [Pa]."""
-
-    @property
-    def moment(self) -> Array:
-        """(n, nx) [N m]."""
+    body: str
+    places: Array  # (k, 2) in the frame of the body; nan between pieces [m]
+    stress: Array  # (n, k) [Pa]
+    moment: Array | None  # (n, k) [N m], drawn to the side that is pulled
 
 
-def draw_stress(ax: Axes, scene: Scene, bars: Sequence[LoadedBar]) -> list[Update]:
+def draw_stress(ax: Axes, scene: Scene, bars: Sequence[Drawn]) -> list[Update]:
     """Bars at every frame, with a bar of colours beside the axes; what has no value is left out."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LinearSegmentedColormap, Normalize, to_rgb
@@ -57,40 +46,58 @@ def draw_stress(ax: Axes, scene: Scene, bars: Sequence[LoadedBar]) -> list[Updat
     return updates
 
 
-def largest_of(scene: Scene, bars: Sequence[LoadedBar]) -> tuple[float, float]:
+def largest_of(scene: Scene, bars: Sequence[Drawn]) -> tuple[float, float]:
     """The largest magnitudes of stress [Pa] and moment [N m] at all frames."""
-    stress, moment = (
-        max(float(np.nanmax(np.abs(getattr(bar, name)[scene.pick]), initial=0.0)) for bar in bars)
-        for name in ("stress", "moment")
-    )
+    stress = max(_largest(bar.stress[scene.pick]) for bar in bars)
+    moment = max(0.0 if bar.moment is None else _largest(bar.moment[scene.pick]) for bar in bars)
     return stress, moment
 
 
-def _draw_bar(ax: Axes, scene: Scene, bar: LoadedBar, shades: object, factor: float, scale: float) -> Update:
+def _largest(values: Array) -> float:
+    return float(np.nanmax(np.abs(values), initial=0.0))
+
+
+def _draw_bar(ax: Axes, scene: Scene, bar: Drawn, shades: object, factor: float, scale: float) -> Update:
     """A bar and its moment; scale [m/(N m)], factor: on stresses."""
     from matplotlib.collections import LineCollection
-    from matplotlib.patches import Polygon
 
     x, y, angle = (scene.curve(f"{bar.body}.{name}")[:, None, None] for name in ("x", "y", "angle"))
     along = np.concatenate([np.cos(angle), np.sin(angle)], axis=2)
     across = np.concatenate([-np.sin(angle), np.cos(angle)], axis=2)
-    axis = np.concatenate([x, y], axis=2) + bar.places[:, None] * along  # (frames, nx, 2)
-    pulled = axis - scale * np.nan_to_num(bar.moment[scene.pick])[:, :, None] * across
-    outline = np.concatenate([axis, pulled[:, ::-1]], axis=1)
+    axis = np.concatenate([x, y], axis=2) + bar.places[:, :1] * along + bar.places[:, 1:] * across  # (frames, k, 2)
     stress = factor * np.abs(np.nan_to_num(bar.stress[scene.pick]))
-    area = Polygon(outline[0], facecolor=BLUE, alpha=0.2, linewidth=0, zorder=6)
-    ax.add_patch(area)
-    (edge,) = ax.plot([], [], color=BLUE, linewidth=1.0, zorder=7)
+    diagram = (
+        _diagram(ax, axis, scale * np.nan_to_num(bar.moment[scene.pick]), across) if bar.moment is not None else None
+    )
     line = LineCollection([], cmap=shades.cmap, norm=shades.norm, linewidths=WIDE, zorder=8)  # type: ignore[attr-defined]
     ax.add_collection(line, autolim=False)
 
     def update(k: int) -> None:
-        area.set_xy(outline[k])
-        edge.set_data(*pulled[k].T)
+        if diagram is not None:
+            diagram(k)
         # each piece reaches over the next one, so that there are no gaps between them
         beyond = np.append(axis[k, 2:], axis[k, -1:], axis=0)
+        beyond = np.where(np.isnan(beyond), axis[k, 1:], beyond)
+        beyond[np.isnan(axis[k, 1:])] = np.nan  # nothing is drawn from one piece to another
         line.set_segments(list(np.stack([axis[k, :-1], beyond], axis=1)))
         line.set_array(0.5 * (stress[k, :-1] + stress[k, 1:]))
 
     update(0)
+    return update
+
+
+def _diagram(ax: Axes, axis: Array, sizes: Array, across: Array) -> Update:
+    """Moments beside an axis (frames, k, 2); sizes: (frames, k) [m]."""
+    from matplotlib.patches import Polygon
+
+    pulled = axis - sizes[:, :, None] * across
+    outline = np.concatenate([axis, pulled[:, ::-1]], axis=1)
+    area = Polygon(outline[0], facecolor=BLUE, alpha=0.2, linewidth=0, zorder=6)
+    ax.add_patch(area)
+    (edge,) = ax.plot([], [], color=BLUE, linewidth=1.0, zorder=7)
+
+    def update(k: int) -> None:
+        area.set_xy(outline[k])
+        edge.set_data(*pulled[k].T)
+
     return update

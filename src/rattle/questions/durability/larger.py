@@ -46,6 +46,10 @@ def _bearing(m: Mechanism, name: str) -> tuple[str, str, float] | None:
 
 def _section(m: Mechanism, name: str) -> tuple[str, str, float] | None:
     """The size of a section that counts for bending in the plane, as `_bearing`."""
+    if neck := name.partition(".")[2]:
+        name = name.removesuffix(f".{neck}")
+        sheet = m.model.bodies[name].sheet
+        return (f"bodies.{name}.thickness", "a thickness", bare(sheet.thickness)) if sheet is not None else None
     section = _table(m._document["bodies"][name].get("section"))
     key = OF_SECTION.get(str(section.get("shape")))
     beam = m.model.bodies[name].beam

@@ -1,4 +1,4 @@
-"""What a bar bears in a run, and how much of its life a run takes."""
+"""What a bar or neck bears in a run, and how much of its life a run takes."""
 
 from __future__ import annotations
 
@@ -8,20 +8,21 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.questions.durability.cases import Case
-from rattle.questions.strength.compute import Strength, strengths
+from rattle.questions.strength.answer import Strength
+from rattle.questions.strength.compute import strengths
 
 
 class Link(NamedTuple):
-    """What one bar bears in one run; nan where it is not known."""
+    """What one of them bears in one run; nan where it is not known."""
 
-    load: float  # largest force along it [N]
+    load: float  # largest normal force [N]
     fatigue: float  # share of its life per time [1/s]
     safety: float
     notes: tuple[str, ...]
 
 
 def links(case: Case) -> dict[str, Link]:
-    """What every bar with section and material bears in the run of a case."""
+    """What every bar with section and material, and every neck, bears in the run of a case."""
     return {name: _link(case, strength) for name, strength in strengths(case.run).items()}
 
 

@@ -10,13 +10,15 @@ from rattle.description.model import Joint
 from rattle.pages.report_html import Section, paragraph
 from rattle.pages.report_study import Headline, Study, tried
 from rattle.questions.durability.compute import Durability
-from rattle.questions.strength.compute import bars_of
+from rattle.questions.strength.compute import stressed_of
 
 
 def gather(study: Study) -> None:
     model = study.m.model
-    if not (model.duty or bars_of(model) or any(map(_ages, model.joints.values()))):
-        study.reasons["durability"] = "no joint says how it wears or tires, and no bar has section and material"
+    if not (model.duty or stressed_of(model) or any(map(_ages, model.joints.values()))):
+        study.reasons["durability"] = (
+            "no joint says how it wears or tires, no bar has section and material, and no plate has necks"
+        )
         return
     study.keep("durability", tried(study, "durability", "computing how long it lasts", study.m.durability))
 
