@@ -261,3 +261,16 @@ def test_diameters_may_be_made_together():
     groups = '\n[tolerances]\ngroups = [["O.bore", "O.pin"]]\n'
     table = rt.loads(loose(f"clearance = {FIT}") + groups).ensemble(32, ["max(O.ex)"], t_end=1e-6).table
     assert abs(np.corrcoef(table["O.bore"], table["O.pin"])[0, 1]) > 0.999
+
+
+# ---------------------------------------------------------------- what names stand for
+def test_materials_of_plays_and_contacts_are_looked_up_with_their_source():
+    contact = """{ model = "hunt-crossley", bush_material = "bronze", pin_material = "steel", geometry = "johnson",
+        length = 0.01, restitution = 0.5, friction = 0 }""".replace("\n", "")
+    m = rt.loads(
+        loose(f"clearance = {{ fit = 'H7/f7', diameter = '60 mm', {WARM.replace('iron', 'steel')} }}", contact)
+    )
+    named = "\n".join(m.check().named)
+    assert "O.clearance.bush_material, O.contact.bush_material, bronze: E 110 GPa" in named
+    assert "O.clearance.pin_material, O.contact.pin_material, steel: E 207 GPa" in named
+    assert "expansion 11.5e-6/K" in named

@@ -652,6 +652,7 @@ class Model:
     tables: Tables = NO_TABLES
     definitions: Mapping[str, Node] = field(default_factory=dict)  # what names of points, joints and loads stand for
     materials: Mapping[str, Material] = field(default_factory=dict)  # of the model's own
+    named_materials: Mapping[str, Material] = field(default_factory=dict)  # by the place at which a name stands for one
     duty: tuple[DutyCase, ...] = ()
     heat: HeatPaths | None = None
     falling: tuple[Node, Node] | None = None  # gravity [m/s^2] as a function of t; None: it stays as it is

@@ -32,19 +32,22 @@ def _oils(model: Model) -> Iterator[str]:
 
 
 def _materials(model: Model) -> Iterator[str]:
-    for name, body in model.bodies.items():
-        material = body.material
-        if material is not None:
-            yield f"{name}, {material.name}: {_constants(material)} ({_source(material)})"
+    places: dict[str, list[str]] = {}
+    for place, material in model.named_materials.items():
+        figures = f"{material.name}: {_constants(material)} ({_source(material)})"
+        places.setdefault(figures, []).append(place.removesuffix(".material"))
+    for figures, names in places.items():
+        yield f"{', '.join(names)}, {figures}"
 
 
 def _constants(material: Material) -> str:
     figures = [f"E {material.E / 1e9:.4g} GPa", f"nu {material.nu:.4g}"]
     figures += [f"density {material.density:.4g} kg/m^3"] if not math.isnan(material.density) else []
+    figures += [f"expansion {1e6 * material.expansion:.4g}e-6/K"] if not math.isnan(material.expansion) else []
     figures += [f"yield {material.yield_strength / 1e6:.4g} MPa"] if not math.isnan(material.yield_strength) else []
     return ", ".join(figures)
 
 
 def _source(material: Material) -> str:
-    thermal = "" if math.isnan(material.density) or material.source == OF_MODEL else f"; density: {HANDBOOK}"
+    thermal = "" if math.isnan(material.density) or material.source == OF_MODEL else f"; density, expansion: {HANDBOOK}"
     return material.source + thermal

@@ -14,13 +14,14 @@ from rattle import registry
 from rattle.description.model import Choice, Contact
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_film import film_keys, read_lubricated
+from rattle.description.read_materials import material_named
 from rattle.description.read_values import Values, quoted
 from rattle.description.reading import Path, Table
 from rattle.description.tables import BUSH_RADIUS, DAMPING, FILM, FORMULA, MATERIAL, ROLLING
 from rattle.errors import suggest
 from rattle.interfaces.contacts import ContactGeometry, ContactKind, OneSidedKind, StopKind
 from rattle.interfaces.fields import Fields, LawValues
-from rattle.language.materials import contact_modulus
+from rattle.language.materials import MATERIALS, contact_modulus
 from rattle.language.recorded import sqrt
 from rattle.language.units import QuantityError, dimension_of, parse_quantity
 
@@ -366,6 +367,8 @@ def _elastic(
         if not isinstance(material, str):
             reader.values.wrong((*path, key), f"expected the name of a material or {{ E, nu }}, got {quoted(material)}")
             return "steel"
+        if material in MATERIALS or material in reader.values.materials:
+            material_named(reader.values, material, (*path, key))
         own = reader.values.materials.get(material)
         return material if own is None else {"E": own.E, "nu": own.nu}
     if key == "stiffness":

@@ -111,6 +111,7 @@ class Values:
         self.broken_tables: set[str] = set()  # whose definition has a problem
         self.later_tables: set[str] = set()  # those that are read after the parameters
         self.materials: dict[str, Material] = {}  # of the model's own
+        self.named_materials: dict[str, Material] = {}  # by the place at which a name stands for one
         self.broken_materials: set[str] = set()  # whose definition has a problem
         self.plays: dict[str, Any] = {}  # of joints by names of fits and bearings, see `read_play`; None: a problem
         self.local: dict[str, Node] = {}  # names of the field at hand, and what they stand for

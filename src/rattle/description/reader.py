@@ -126,7 +126,7 @@ def _read(document: Table, values: Values) -> Model:
     return Model(
         title, gravity, parameters, signals, units | of_pulls, parts.ground, parts.bodies, parts.joints, parts.drivers,
         parts.loads, initial, settings, values.constants, tuple(values.remarks), groups, states, values.tables,
-        stand_for, materials, duty, heat, falling,
+        stand_for, materials, values.named_materials, duty, heat, falling,
     )  # fmt: skip
 
 
