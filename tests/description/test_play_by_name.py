@@ -263,6 +263,21 @@ def test_diameters_may_be_made_together():
     assert abs(np.corrcoef(table["O.bore"], table["O.pin"])[0, 1]) > 0.999
 
 
+def test_a_guide_is_as_wide_as_its_block_is_high():
+    guide = f"""
+format = 1
+ground.points.O = [0, 0]
+bodies.b = {{ points = {{ P = [0, 0] }}, mass = 1, inertia = 1e-3 }}
+[joints.G]
+type = "prismatic"
+connect = ["ground.O", "b.P"]
+block = {{ length = "40 mm", height = "20 mm" }}
+clearance = {{ radial = "30 um", {WARM} }}
+contact = {{ model = "impact", restitution = 0.5 }}
+{MATERIALS}"""
+    assert rt.loads(guide).model.joints["G"].clearance == pytest.approx(30e-6 + 0.01 * 6.5e-6 * 60)
+
+
 # ---------------------------------------------------------------- what names stand for
 def test_materials_of_plays_and_contacts_are_looked_up_with_their_source():
     contact = """{ model = "hunt-crossley", bush_material = "bronze", pin_material = "steel", geometry = "johnson",

@@ -179,10 +179,14 @@ def _closed(read: Mapping[str, float | None], clearance: float) -> str:
 
 
 def _radius(radius: float, reader: FieldReader, table: Table, path: Path) -> float:
-    """Radius of the bush [m]: by the fit, else by the contact; nan if neither says it."""
-    contact = section(table, "contact")
-    if math.isnan(bare(radius)) and "bush_radius" in contact:
+    """Radius of the bush [m], of a guide half of its width: by the fit, the contact, the block; nan if none says it."""
+    if not math.isnan(bare(radius)):
+        return radius
+    contact, block = section(table, "contact"), section(table, "block")
+    if "bush_radius" in contact:
         return reader.values.value(contact["bush_radius"], "m", (*path, "contact", "bush_radius"), "positive")
+    if "height" in block:
+        return reader.values.value(block["height"], "m", (*path, "block", "height"), "positive") / 2
     return radius
 
 
@@ -198,7 +202,10 @@ def _by_heat(reader: FieldReader, table: Table, read: Mapping[str, float | None]
     if not any(key in table for key in MATERIALS):
         values.wrong(path, "temperature needs bush_material and pin_material: play changes by their expansion")
     if math.isnan(bare(radius)):
-        values.wrong(path, "temperature needs the radius of the bush: contact.bush_radius in m, or a fit")
+        values.wrong(
+            path,
+            "temperature needs the radius of the bush: contact.bush_radius in m, a fit, or of a guide block.height",
+        )
         return 0.0
     unknown = [material.name for material in pair if math.isnan(bare(material.expansion))]
     for name in dict.fromkeys(unknown):
