@@ -330,7 +330,7 @@ def test_contacts_are_run_one_by_one():
     m = rt.example("bouncing_pin")
     found = m.many({"c": [1e-4, 2e-4]}, ["count(O.impacts)"], 0.02)
     assert list(found.generic) == [0, 1]
-    assert "count(...) needs a whole curve" in found.stats["how"]
+    assert "asks for events, which stand in single runs" in found.stats["how"]
     assert "contacts begin and end" in m.many({"c": [1e-4]}, ["final(pin.x)"], 0.001).stats["how"]
     for n, c in enumerate((1e-4, 2e-4)):
         events = m.set(c=c).simulate(0.02, rtol=1e-8).events

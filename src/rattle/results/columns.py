@@ -329,6 +329,7 @@ def _form_of_joint(joint: Joint) -> dict[str, Any]:
     if joint.stop is not None:  # an end that there is not is None
         ends = (joint.stop.minimum, joint.stop.maximum)
         form["stop"] = [end if -math.inf < end < math.inf else None for end in ends]
+        form["rigid_stop"] = joint.stop.contact.rigid
     form |= {table: list(sizes) for table, sizes in joint.dimensions.items()}
     return form | _form_of_contact(joint)
 

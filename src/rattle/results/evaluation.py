@@ -7,6 +7,7 @@ the same numbers whatever the instants.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Collection, Mapping
 
@@ -22,6 +23,7 @@ from rattle.results.reductions import (
     EVENTS,
     HARDEST,
     IDEAL,
+    MAY_LACK,
     OF_EVENTS,
     READ_OFF,
     Output,
@@ -32,6 +34,7 @@ from rattle.results.result import Result
 from rattle.results.sampled_curve import SampledCurve
 
 AT_INSTANTS = ("at", "final", "quantile")  # reductions that may miss where a curve towers
+FIELDS = {"time": "t", "speed": "normal_speed", "peak": "peak_force"}  # of an event
 TOLD = (*CONDITIONS, *OF_EVENTS)  # those that the height of a curve does not change
 SIGNED = ("normal", "penetration", "tight")  # quantities whose peak is the largest value, not the largest magnitude
 
@@ -43,7 +46,7 @@ def evaluate(
 
     parameters: values [SI], by default those of the result's provenance.  ideal: result of the mechanism without play
     at the same instants, if the output needs one.  Of a run that stopped early only what happened before is known: an
-    `at` in that time, a `first` that came true.
+    `at` in that time, a `first` that came true, a contact.
     Raises InputError for an `at` outside the run, an `ideal` that is missing or has other instants, a result without
     an instant, and for events of a result that is no run in time; UnknownName for a curve that the result lacks.
     """
@@ -229,17 +232,24 @@ def _negative(curve: SampledCurve) -> SampledCurve:
 
 
 def _of_events(part: Reduction, result: Result) -> float:
-    """Number of events of a joint, or the largest impulse of its impacts [N s or N m s]; nan if the run stopped."""
+    """Number of events of a joint, or the largest impulse of its impacts [N s or N m s]; nan if the run stopped.
+
+    Or when one of its contacts begins, its speed or its largest force; nan if it did not come.
+    """
     analysis = result.provenance.get("analysis", "simulate")
     if analysis != "simulate":
         raise InputError(f"events are counted in a run in time (simulate), and this is a result of {analysis}")
     joint, _, events = part.inner.name.rpartition(".") if isinstance(part.inner, Name) else ("", "", "")
-    if not result.success:
+    if not result.success and part.kind not in MAY_LACK:
         return math.nan
     mine = [event for event in result.events if event.joint == joint]
     if part.kind == HARDEST:
         return max((event.impulse for event in mine if event.kind == "impact"), default=0.0)
-    return float(sum(event.kind == EVENTS[events] for event in mine))
+    asked = [event for event in mine if event.kind in EVENTS[events]]
+    if part.kind == "count":
+        return float(len(asked))
+    contact = next(itertools.islice(asked, part.number - 1, None), None)
+    return math.nan if contact is None else float(getattr(contact, FIELDS[part.kind]))
 
 
 # ---------------------------------------------------------------- from within the steps

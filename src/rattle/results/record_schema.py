@@ -35,6 +35,7 @@ class JointForm(TypedDict):
     clearance: float
     contact: str
     rigid: NotRequired[bool]
+    rigid_stop: NotRequired[bool]
     fields: NotRequired[dict[str, float | list[float]]]
     sense: NotRequired[float]
     coordinate: NotRequired[str]

@@ -17,6 +17,7 @@ without play.  In the parsed form an output is a list of reductions and a tree o
 | share(a > b) | g = a - b | share of the time in which g > 0 |
 | first(a > b) | g = a - b | first instant with g > 0 [s]; nan if there is none |
 | count | J.impacts | number of events of a joint |
+| time speed peak | J.contacts, k | begin of the k-th contact of a joint [s], its speed, its largest force; nan: never |
 | max | J.impulse | largest impulse of the impacts of a joint, 0 without any |
 
 For a < b it is g = b - a; for >= and <= the condition is g >= 0 and `Reduction.strict` is False.
@@ -25,8 +26,9 @@ For a < b it is g = b - a; for >= and <= the condition is g >= 0 and `Reduction.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
 from rattle.description.toml_locations import caret_under
 from rattle.errors import LONGEST, InputError, ModelError, Problem, suggest
@@ -52,17 +54,30 @@ from rattle.results.result import Result
 
 ONE = ("max", "min", "mean", "rms", "sd", "range", "integral", "final", "count")  # of one curve
 TWO = ("at", "quantile")  # of a curve and a number
+OF_CONTACT = ("time", "speed", "peak")  # of a joint, and the number of one of its contacts
 CONDITIONS = ("share", "first")
-KINDS = (*ONE, *TWO, *CONDITIONS)
+KINDS = (*ONE, *TWO, *OF_CONTACT, *CONDITIONS)
 HARDEST = "hardest"  # what max(J.impulse) is read as: impulses stand in events
-OF_EVENTS = ("count", HARDEST)
+OF_EVENTS = ("count", HARDEST, *OF_CONTACT)
+MAY_LACK = ("first", *OF_CONTACT)  # nan of these is an answer: never
 READ_OFF = ("at", "final", *OF_EVENTS)  # those that need no instants but their own
-EVENTS = {"impacts": "impact", "contacts": "contact", "releases": "release", "sticks": "stick", "slips": "slip"}
+EVENTS = {  # words, and the kinds of events that they stand for: contacts begin with force laws, rigid, and in clutches
+    "contacts": ("contact", "impact", "lock"), "impacts": ("impact",), "releases": ("release",), "sticks": ("stick",),
+    "slips": ("slip",),
+}  # fmt: skip
+EVENTS_OF_CONTACT = ("contacts", "impacts")
+LONGEST_LIST = 6  # of names in a message
 IDEAL = "ideal."
 EQUAL = "=="  # of a constraint
 NAMES = "an output may use the names of a result, parameters and t"
 GRAMMAR = Grammar(
-    functions={**CALLABLE, **dict.fromkeys((*ONE, *CONDITIONS), 1), **dict.fromkeys(TWO, 2), "max": -1, "min": -1},
+    functions={
+        **CALLABLE,
+        **dict.fromkeys((*ONE, *CONDITIONS), 1),
+        **dict.fromkeys((*TWO, *OF_CONTACT), 2),
+        "max": -1,
+        "min": -1,
+    },
     conditions=frozenset(CONDITIONS),
     parts=4,  # ideal.body.point.x
     compared=True,
@@ -70,7 +85,6 @@ GRAMMAR = Grammar(
         **dict.fromkeys(("average", "avg"), "write mean"),
         **dict.fromkeys(("std", "stdev", "stddev"), "write sd"),
         "median": "write quantile(x, 0.5)",
-        "peak": "write max(abs(x))",
         "last": "write final",
         "int": "write integral",
     },
@@ -79,24 +93,37 @@ GRAMMAR = Grammar(
 )
 
 
+class Meeting(NamedTuple):
+    """How the contacts of a joint are."""
+
+    rigid: bool  # they have impulses, no largest force
+    turns: bool  # their speeds are those of an angle
+    straight: bool = False  # their speeds are those of a way, or of both
+
+    @property
+    def speed(self) -> str:
+        """SI unit of their speeds; "" if these differ."""
+        return "" if self.turns and self.straight else "rad/s" if self.turns else "m/s"
+
+    @property
+    def force(self) -> str:
+        """SI unit of their forces; "" if these differ."""
+        return "" if self.turns and self.straight else "N*m" if self.turns else "N"
+
+
 @dataclass(frozen=True)
 class Known:
     """Names that an output may use."""
 
     units: Mapping[str, str]  # SI units of the curves; "" if a curve has none or it is not known
     parameters: Mapping[str, str] = field(default_factory=dict)  # SI units of the parameters, likewise
-    joints: Collection[str] = ()  # whose events are counted
+    joints: Mapping[str, Meeting] = field(default_factory=dict)  # whose events are counted
 
     @classmethod
     def of(cls, result: Result, parameters: Mapping[str, str] | None = None) -> Known:
         """Names of a result; parameters with their units, by default those of its provenance, without units."""
         named = dict.fromkeys(result.provenance.get("parameters", {}), "") if parameters is None else parameters
-        joints = [
-            name
-            for name, form in result.geometry.get("joints", {}).items()
-            if form.get("clearance") or form.get("stop")
-        ]
-        return cls({name: result.unit(name) for name in result.names}, named, joints)
+        return cls({name: result.unit(name) for name in result.names}, named, meetings(result.geometry))
 
     def unit(self, name: str) -> str | None:
         """SI unit of a curve, of `ideal.<curve>`, or of a parameter; None for an unknown name."""
@@ -133,6 +160,7 @@ class Reduction:
     dimension: Dimension | None  # of the number; None if it is not known
     unit: str  # its SI unit, "" if it has none or it is not known
     column: int  # where it stands in the text
+    number: int = 0  # of the contact, from 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -306,6 +334,8 @@ def _reduction(node: Apply, vocabulary: Known) -> Reduction:
     """One reduction with its names and dimensions checked."""
     kind, inside = node.name, node.operands[0]
     _require_curve(node)
+    if kind in OF_CONTACT:
+        return _of_contact(node, vocabulary)
     if kind == "count":
         _require_events(inside, vocabulary)
         return Reduction(kind, inside, None, True, DIMENSIONLESS, "", node.column)
@@ -326,6 +356,59 @@ def _reduction(node: Apply, vocabulary: Known) -> Reduction:
     return Reduction(kind, inside, number, strict, seen, unit, node.column)
 
 
+def _of_contact(node: Apply, vocabulary: Known) -> Reduction:
+    """When, how fast or how hard a contact of a joint is."""
+    kind, (inside, which) = node.name, node.operands
+    name = inside.name if isinstance(inside, Name) else ""
+    joint, _, events = name.rpartition(".")
+    if joint not in vocabulary.joints or events not in EVENTS_OF_CONTACT:
+        options = [f"{option}.contacts" for option in vocabulary.joints]
+        if not options:
+            raise ExpressionError(f"no joint has contacts, of which there is a {kind}", inside.column)
+        curve = "; of a curve it is max(abs(x))" if kind == "peak" and vocabulary.unit(name) is not None else ""
+        hint = suggest(name, options) if name else ""
+        if "did you mean" not in hint:
+            hint = f"; known: {', '.join(options[:LONGEST_LIST])}"
+        raise ExpressionError(
+            f"{kind} takes the contacts of a joint, as in {kind}({options[0]}, 1), not '{name}'{curve}{hint}",
+            inside.column,
+        )
+    meeting = vocabulary.joints[joint]
+    if kind == "peak" and meeting.rigid:
+        raise ExpressionError(
+            f"contacts of '{joint}' are rigid: they have impulses and no largest force; write max({joint}.impulse)",
+            node.column,
+        )
+    number = _number_of(kind, which)
+    unit = {"time": "s", "speed": meeting.speed, "peak": meeting.force}[kind]
+    return Reduction(kind, inside, None, True, dimension_of(unit) if unit else None, unit, node.column, number)
+
+
+def _number_of(kind: str, node: Node) -> int:
+    """The number of a contact: a whole one from 1 on."""
+    text = f"{node.value:g}" if isinstance(node, Number) else ""
+    if not isinstance(node, Number) or node.value != int(node.value) or node.value < 1:
+        got = f", not {text}" if text else ""
+        raise ExpressionError(f"contacts are counted from 1: {kind}(..., k) takes a whole number{got}", node.column)
+    return int(node.value)
+
+
+def meetings(geometry: Mapping[str, Any]) -> dict[str, Meeting]:
+    """How the contacts are of the joints that have some; geometry: as of a result."""
+    met = {name: _meeting(form) for name, form in geometry.get("joints", {}).items()}
+    return {name: meeting for name, meeting in met.items() if meeting is not None}
+
+
+def _meeting(form: Mapping[str, Any]) -> Meeting | None:
+    """How the contacts of a joint are that is drawn so; None if it has none."""
+    stop, clutch = form.get("stop"), "sense" in form
+    loose = bool(form.get("clearance")) or (bool(form.get("contact")) and not clutch)
+    if not stop and not clutch and not loose:
+        return None
+    turns = clutch or (bool(stop) and form.get("coordinate") == "angle")
+    return Meeting(bool(form.get("rigid") or form.get("rigid_stop")), turns, loose or (bool(stop) and not turns))
+
+
 def _spots(node: Node) -> list[tuple[str, int]]:
     """Names of an expression with their columns, from left to right."""
     return [(part.name, part.column) for part in walk(node) if isinstance(part, Name)]
@@ -344,7 +427,8 @@ def _unknown(name: str, vocabulary: Known) -> str:
     if last == "impulse" and owner in vocabulary.joints:
         return f"impulses stand in the events: write max({name}) alone"
     if last in EVENTS and owner in vocabulary.joints:
-        return f"'{name}' is counted: write count({name})"
+        more = f", or time({name}, 1) of the first" if last in EVENTS_OF_CONTACT else ""
+        return f"'{name}' is counted: write count({name}){more}"
     if name in KINDS:
         return f"'{name}' is a reduction: write {name}(...)"
     prefix = IDEAL if name.startswith(IDEAL) else ""

@@ -15,7 +15,7 @@ from rattle.equations.state import state_layout
 from rattle.jit.choices import TINY
 from rattle.language.recorded import Operand
 from rattle.language.syntax import Apply, Name, Node, Number, walk
-from rattle.results.reductions import Output, argument
+from rattle.results.reductions import OF_EVENTS, Output, argument
 from rattle.trace import reductions
 from rattle.trace.copying import replaced
 from rattle.trace.elementary import lower
@@ -78,6 +78,8 @@ def why_not_lanes(output: Output, varied: Mapping[str, object]) -> str:
     if output.ideal_names:
         return f"{output.text!r} compares with the mechanism without play"
     for reduction in output.reductions:
+        if reduction.kind in OF_EVENTS:
+            return f"{output.text!r} asks for events, which stand in single runs"
         if reduction.kind not in KINDS:
             return f"{reduction.kind}(...) needs a whole curve"
         if reduction.kind in EXTREMES and any(

@@ -15,6 +15,7 @@ import numpy as np
 
 from rattle.analyses.dynamics.run import stop
 from rattle.errors import AssemblyError, ModelError, SolverError, TraceError
+from rattle.results.reductions import MAY_LACK
 from rattle.studies.runs.reasons import alike
 from rattle.studies.runs.side_by_side import SideBySide
 from rattle.studies.runs.task import Sample, Task
@@ -87,12 +88,12 @@ class Runner:
         return batch
 
     def _finish(self, batch: Batch) -> None:
-        """Say which outputs have no finite value though they should; nan of a `first` says: never."""
+        """Say which outputs have no finite value though they should; nan of a `first` or of a contact says: never."""
         values, outputs = batch.values, self.task.outputs
         values[:, list(batch.messages)] = np.nan
         values[~np.isfinite(values)] = np.nan
         counted = np.array(
-            [not any(part.kind == "first" for part in output.reductions) for output in outputs], dtype=bool
+            [not any(part.kind in MAY_LACK for part in output.reductions) for output in outputs], dtype=bool
         )
         lacks = np.isnan(values) & counted[:, None]
         batch.lacking = [n for n in np.flatnonzero(lacks.any(axis=0)).tolist() if n not in batch.messages]

@@ -14,9 +14,10 @@ from rattle.analyses.dynamics.peak_values import peak_names
 from rattle.errors import InputError, ModelError, Problem, suggest
 from rattle.language.syntax import names
 from rattle.registry import kinds
+from rattle.results.columns import geometry
 from rattle.results.contact_summary import no_number
 from rattle.results.evaluation import evaluate, needs_curve, unread_curves
-from rattle.results.reductions import Known, Output, argument, needed_instants, read
+from rattle.results.reductions import Known, Output, argument, meetings, needed_instants, read
 from rattle.results.result import Result, UnknownName
 from rattle.solvers.stepper import ATOL
 from rattle.studies.runs.analyses import Stepping, analysis_named, analysis_of
@@ -147,8 +148,9 @@ def task_of(
     end = _end(m, varying, analysis, t_end, step)
     how = _stepping(m, method, rtol, atol, step)
     units = {name: parameter.unit for name, parameter in m.model.parameters.items()}
-    loose = [name for name, joint in m.model.joints.items() if joint.clearance > 0.0 or joint.stop is not None]
-    vocabulary = Known(analysis_of(analysis).names(m), units, loose if analysis == "simulate" else ())
+    vocabulary = Known(
+        analysis_of(analysis).names(m), units, meetings(geometry(m.model)) if analysis == "simulate" else {}
+    )
     asked = tuple(_read(text, vocabulary, analysis) for text in texts)
     if text := next((output.text for output in asked if not output.reductions), ""):
         raise InputError(f"outputs: {text!r} follows from parameters alone; ask for a number of a run")
