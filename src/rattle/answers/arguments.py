@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from typing import Any
 
 from rattle.errors import InputError
@@ -48,8 +49,8 @@ def read(question: Question, name: str, text: str) -> Any:
 
 
 def listed(*texts: str) -> list[str]:
-    """The names in texts, with commas between them."""
-    return [name.strip() for text in texts for name in text.split(",") if name.strip()]
+    """The names in texts, with commas between them; those in parentheses stay."""
+    return [name.strip() for text in texts for name in re.split(r",(?![^(]*\))", text) if name.strip()]
 
 
 def _value(name: str, text: str, kind: str, told: Argument) -> Any:

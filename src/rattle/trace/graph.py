@@ -229,8 +229,8 @@ class Graph:
         """The result of an operation: a number if it is known, the operand it leaves as it is, or a symbol."""
         numbers, held, constant = self.numbers, [], True
         for x in operands:
-            if type(x) is not Symbol and isinstance(x, Recorded):
-                x = symbol_of(x)
+            if type(x) is not Symbol and isinstance(x, Recorded | Symbol):
+                x = symbol_of(x) if isinstance(x, Recorded) else Symbol(x.graph, x.place)
             if type(x) is Symbol:
                 if x.graph is self and x.place in numbers:
                     x = numbers[x.place]

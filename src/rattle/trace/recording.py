@@ -25,6 +25,7 @@ from rattle.language import bytecode as code
 from rattle.language.operations import CHOICES, CHOOSE, OPERATIONS
 from rattle.language.recorded import Flag, Operand, Recorded, symbol_of
 from rattle.trace.graph import Graph, Symbol, both, select
+from rattle.trace.recorded_contacts import Impact, RecordedContacts
 from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_table import recorded_table
 from rattle.trace.symbol_arrays import arrays
@@ -45,6 +46,13 @@ class Recorder:
         self.assumed: dict[int, Flag] = {}  # by place: what reading the model has found true of its parameters
         own = {choices.assume.python: self._assume, choices.usually.python: self._usually}
         self._copies = Copies(own, arrays(graph))
+        self.contacts: RecordedContacts | None = None  # None: a model with contacts cannot be recorded
+
+    def record_contacts(self, system: System) -> RecordedContacts:
+        """Let systems with the contacts of this one be recorded; before anything else is.  Raises TraceError."""
+        self.contacts = RecordedContacts(self.graph, system)
+        self.contacts.begin(self._copies)
+        return self.contacts
 
     def number(self, value: float, symbol: Symbol) -> Recorded:
         """A number of a model that stands for a symbol and is `value` [SI] where the record is made."""
@@ -104,7 +112,14 @@ class Recorder:
             elif array.dtype == np.float64 and name not in CONSTANT:
                 array = array.astype(object)
             held[name] = array
-        return SimpleNamespace(**held)
+        workspace = SimpleNamespace(**held)
+        if self.contacts is not None:
+            self.contacts.prepare(workspace)
+        return workspace
+
+    def impacts(self, workspace: SimpleNamespace, y: np.ndarray) -> dict[int, list[Impact]]:
+        """What impacts do at y (ny,), for which the equations of motion stand in a workspace, by rigid contact."""
+        return {} if self.contacts is None else self.contacts.impacts(workspace, y)
 
 
 def _symbols(array: np.ndarray) -> np.ndarray:
@@ -138,7 +153,7 @@ class Recording:
         if system.rough_joints:
             joints = ", ".join(system.rough_joints)
             raise TraceError(f"dry friction sticks and slips, which straight-line code cannot follow (joints {joints})")
-        if len(system.arrays["contact"]):
+        if len(system.arrays["contact"]) and recorder.contacts is None:
             owners = system.arrays["contact"][:, layout.OWNER]
             joints = ", ".join(dict.fromkeys(system.joints[n] for n in owners))
             raise TraceError(f"contacts begin and end, which straight-line code cannot follow (joints {joints})")

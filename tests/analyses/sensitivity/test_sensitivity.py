@@ -335,7 +335,7 @@ def test_chaos_is_said(tmp_path):
 @pytest.mark.parametrize(
     ("name", "to", "said"),
     [
-        ("bouncing_pin", None, "contacts begin and end.*ideal\\(\\)"),
+        ("journal_falls", None, "contacts with oil.*ideal\\(\\)"),
         ("path_generator", ["a"], r"not determined by \[initial\]; give the offset of A, B, Q"),
     ],
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -52,10 +52,28 @@ class Linearised:
         return outputs[: self._count, 0], outputs[self._count :]
 
 
-def switching_functions(graph: Graph, outputs: Sequence[Operand]) -> list[Operand]:
-    """What changes its sign where a branch of a calculation changes.  Raises TraceError for what jumps otherwise."""
+def live_without(graph: Graph, outputs: Sequence[Operand], flag: Operand) -> set[int]:
+    """Places that outputs depend on while a flag is false."""
+    condition, seen = graph.place(flag), set[int]()
+    ahead = [graph.place(x) for x in outputs]
+    while ahead:
+        place = ahead.pop()
+        if place in seen:
+            continue
+        seen.add(place)
+        operands = graph.operands[place]
+        chosen = graph.ops[place] == "select" and operands[0] == condition
+        ahead += [operands[0], operands[2]] if chosen else operands
+    return seen
+
+
+def switching_functions(graph: Graph, outputs: Sequence[Operand], places: Iterable[int] | None = None) -> list[Operand]:
+    """What changes its sign where a branch of a calculation changes.  Raises TraceError for what jumps otherwise.
+
+    places: of operations, by default all that the outputs depend on.
+    """
     margins: dict[int, Operand] = {}
-    for place in graph.live(outputs):
+    for place in graph.live(outputs) if places is None else places:
         op, operands = graph.ops[place], [Symbol(graph, k) for k in graph.operands[place]]
         if op == "floor":
             raise TraceError("an expression jumps (floor, mod): its sensitivities are not defined there")

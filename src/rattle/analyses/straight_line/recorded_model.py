@@ -10,6 +10,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -25,12 +26,14 @@ from rattle.equations.motion import derivative
 from rattle.equations.state import state_layout
 from rattle.equations.system import System, compile_system
 from rattle.errors import ModelError, TraceError, suggest
+from rattle.jit import layout as at
 from rattle.language.recorded import Flag, Operand, Recorded, symbol_of
 from rattle.results.columns import columns, width
 from rattle.results.result import UnknownName
 from rattle.solvers.output_row import record
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph, both
+from rattle.trace.recorded_contacts import Impact, RecordedContacts
 from rattle.trace.recording import Recorder, Recording
 from rattle.trace.symbol_arrays import Table
 from rattle.value_types import Tree
@@ -39,6 +42,23 @@ SAME = 1e-9  # share of the largest number by which a recording may differ from 
 LEAST = 1e-12  # number [SI] with which smaller ones are compared as if they were as large: rounding of zeros
 MOVED = 1e-3  # standard deviation of the state beside the start [SI] at which the record is checked
 NUDGES = (1e-4, -1e-4, 1e-7, -1e-7)  # changes of a parameter, in shares of it, at which the record is checked
+
+
+@dataclass(frozen=True)
+class ContactFunctions:
+    """Recorded functions of the contacts of a model; inputs are, after the other constants, first of all contacts
+    whether they are shut (1, else 0), then how fast they closed [m/s or rad/s]."""
+
+    are: RecordedContacts
+    gap: list[Operand]  # [m or rad]
+    rate: list[Operand]  # [m/s or rad/s]
+    normal: list[Operand]  # force [N] or moment [N m] where it is shut
+    impacts: dict[int, list[Impact]]  # of the rigid ones; of one that may last with its restitution, and without
+
+    @property
+    def count(self) -> int:
+        """Number of contacts."""
+        return len(self.are)
 
 
 @dataclass(frozen=True)
@@ -61,6 +81,7 @@ class RecordedModel:
     dependent: dict[str, Operand]  # parameters that follow from the chosen ones [SI]
     first: RecordedStart | None  # how the start follows from the parameters; None if only the assembly knows
     recorded: System  # the system with its recorded numbers
+    contacts: ContactFunctions | None = None  # None where contacts are not recorded: the model has none then
 
     @property
     def state_size(self) -> int:
@@ -70,7 +91,8 @@ class RecordedModel:
     @property
     def constants(self) -> np.ndarray:
         """(nc,) those that the start has set [m or rad]: inputs after the parameters, numbers where none is chosen."""
-        return np.array(flat(constants_of(self.system.model)) if self.parameters else [])
+        own = flat(constants_of(self.system.model)) if self.parameters else []
+        return np.array([*own, *([0.0] * (2 * self.contacts.count if self.contacts else 0))])
 
     def inputs(self, t: float, y: np.ndarray, values: Any = None) -> np.ndarray:
         """(n_in,) inputs of the graph at y (ny,) and values (np,) of parameters (default: its own) [SI], E_0 = 0."""
@@ -107,11 +129,12 @@ class RecordedModel:
 
 
 def record_model(
-    document: Tree, system: System, start: Assembled, names: Sequence[str] = (),
+    document: Tree, system: System, start: Assembled, names: Sequence[str] = (), *, contacts: bool = False,
 ) -> RecordedModel:  # fmt: skip
     """Record a model.  names: parameters that become inputs.
 
-    document: the tables of the model file, of which `system` was made.
+    document: the tables of the model file, of which `system` was made.  contacts: whether contacts are recorded, their
+    states as further constants.
     Raises TraceError, with the reason, where it cannot be straight-line code; UnknownName.
     """
     require_parameters(system, names)
@@ -126,8 +149,10 @@ def record_model(
     }
     recorded = compile_system(_counting(read(document, chosen=chosen), system, recorder)) if names else system
     _require_known_states(recorded)
+    met = recorder.record_contacts(recorded) if contacts else None
     recording = Recording(recorded, recorder)
     rate, sound_rate = recording.guarded(lambda: recording.derivative(t, y))
+    touching = _record_contacts(recording, recorder, met, t, y) if met is not None else None
     closed, sound_closed = recording.guarded(lambda: recording.projection(t, y))
     curves, units, sound_row = record_curves(recording, t, y)
     curves["energy.balance"] = curves["energy.balance"] - graph.input()
@@ -137,10 +162,24 @@ def record_model(
         [*rate, sound_rate], [*closed, sound_closed],
         curves, sound_row, units,
         both(graph, recorder.assumed.values()), t, dict(zip(names, inputs, strict=True)), _dependent(recorded, names),
-        first, recorded,
+        first, recorded, touching,
     )  # fmt: skip
     _require_same(model)
     return model
+
+
+def _record_contacts(
+    recording: Recording, recorder: Recorder, met: RecordedContacts, t: Operand, y: np.ndarray
+) -> ContactFunctions:
+    """Gaps, forces and impacts of contacts."""
+
+    def measured() -> tuple[SimpleNamespace, dict[int, list[Impact]]]:
+        workspace = recording.run(derivative, t, y, np.zeros(len(y), dtype=object))
+        return workspace, recorder.impacts(workspace, y)
+
+    (workspace, impacts), _ = recording.guarded(measured)
+    gap, rate, normal = (list(workspace.contact_kinematics[:, column]) for column in (at.GAP, at.DGAP, at.NORMAL))
+    return ContactFunctions(met, gap, rate, normal, impacts)
 
 
 def record_curves(recording: Recording, t: Operand, y: np.ndarray) -> tuple[dict[str, Operand], dict[str, str], Flag]:
@@ -260,7 +299,13 @@ def _at(
     model: RecordedModel, functions: tuple[Graph, list[Operand]], t: float, y: np.ndarray, values: Mapping[str, float]
 ) -> np.ndarray:
     graph, outputs = functions
-    return graph.evaluate(outputs, model.inputs(t, y, list(values.values()))[:, None])[:, 0]
+    inputs = model.inputs(t, y, list(values.values()))
+    if model.contacts is not None:  # where no run is followed, kernels take those for shut in which bodies overlap
+        first, count = len(inputs) - 1 - 2 * model.contacts.count, model.contacts.count
+        gaps = lower(model.graph, model.contacts.gap)
+        inputs[first : first + count] = gaps[0].evaluate(gaps[1], inputs[:, None])[:, 0] < 0.0
+        inputs[first : first + count][model.contacts.are.rigid] = 0.0
+    return graph.evaluate(outputs, inputs[:, None])[:, 0]
 
 
 def _require_equal(system: System, t: float, y: np.ndarray, outputs: np.ndarray, where: str) -> None:

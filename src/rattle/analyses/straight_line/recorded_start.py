@@ -20,7 +20,7 @@ from rattle.analyses.assembly.loops import loops
 from rattle.analyses.assembly.outward import outward
 from rattle.analyses.assembly.start_constants import constants_of, counting_rows, with_constants, without_counting
 from rattle.analyses.assembly.start_values import KEYS, given_values
-from rattle.description.model import Driver, Model, Point
+from rattle.description.model import Driver, Joint, Model, Point
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import constraints, drive, place
 from rattle.equations.system import System, compile_system, is_link
@@ -122,11 +122,16 @@ def driven_bodies(system: System, start: Assembled) -> set[str]:
 
 
 # ---------------------------------------------------------------- what is kept
+def _is_pin(joint: Joint) -> bool:
+    """True of a massless link, and of a pin with play in a bush: both are hinges at the offset of their pin."""
+    return is_link(joint) or (joint.kind == "revolute" and joint.is_loose)
+
+
 def _pins_at_offsets(system: System, start: Assembled) -> list[str]:
-    """Massless links whose pins start at their given offsets."""
+    """Pins that start at their given offsets."""
     model, pins = system.model, []
     for name, offset in model.initial.offsets.items():
-        if is_link(model.joints[name]):
+        if _is_pin(model.joints[name]):
             now = _pin(system, start, name)[:2]
             if np.abs(now - offset).max() <= KEPT * system.size:
                 pins.append(name)
@@ -134,16 +139,14 @@ def _pins_at_offsets(system: System, start: Assembled) -> list[str]:
 
 
 def _pins_at_rest(system: System, start: Assembled) -> list[str]:
-    """Massless links that place a body, whose pin centres start with the speed of the bush centres.
+    """Pins whose centres start with the speed of the bush centres; of massless links those that place a body.
 
     Constraint rows say so where the hinge is not moved to the pin: a bush that turns would carry it around.
     """
     scale = max(1.0, float(np.abs(start.v).max(initial=0.0)))
-    return [
-        joint.name
-        for _, _, joint in outward(system.model)
-        if is_link(joint) and np.abs(_pin(system, start, joint.name)[2:]).max() <= KEPT * scale
-    ]
+    links = [joint.name for _, _, joint in outward(system.model) if is_link(joint)]
+    loose = [name for name, joint in system.model.joints.items() if _is_pin(joint) and not is_link(joint)]
+    return [name for name in (*links, *loose) if np.abs(_pin(system, start, name)[2:]).max() <= KEPT * scale]
 
 
 def _pin(system: System, start: Assembled, name: str) -> np.ndarray:
@@ -166,7 +169,7 @@ def _kept(system: System, start: Assembled, pins: list[str], turn: int) -> Kept 
     Rates of which none is given are the least that the constraints allow: no coordinate is needed for them.
     """
     wanted, now = given_values(system, turn), (start.q, start.v)[turn]
-    if turn == 1 and np.isnan(wanted).all() and not system.watched:
+    if turn == 1 and np.isnan(wanted).all() and not system.watched and not pins:
         return Kept([], [], [])
     basis = _basis(_held(system.model, pins, []), start, pins if turn == 0 else [])
     joints = list(basis) if turn == 0 else _basis(system, start, [])  # pins go before given places and angles
@@ -251,7 +254,7 @@ def _add(basis: list[np.ndarray], row: np.ndarray) -> bool:
 def lacking(system: System, start: Assembled) -> str:
     """What [initial] must give so that the start follows from it, in words; "" if it does."""
     placed = _pins_at_offsets(system, start)
-    links = [name for name, joint in system.model.joints.items() if is_link(joint)]
+    links = [name for name, joint in system.model.joints.items() if _is_pin(joint)]
     without = [name for name in links if name not in placed]
     advice = [f"give the offset of {', '.join(without)}"] if without else []
     advice += _lacking_values(system, start, links, 0)
@@ -355,9 +358,13 @@ def _missed(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray, sla
         missed = recorder.largest([abs(q[k] - symbol_of(_given(recorded, k, 0))) - slack[k]])
         gaps.append(Gap(name, missed, ("m", "m", "rad")[k % 3]))
     for name in kept.pins:
+        joint = recorded.model.joints[name]
         length = recorder.graph.apply("hypot", *map(symbol_of, recorded.model.initial.offsets[name]))
-        missed = recorder.largest([abs(length - symbol_of(recorded.model.joints[name].clearance)) - 2.0 * slack[0]])
-        gaps.append(Gap(f"the length of the offset of joint '{name}' is not its clearance, by", missed, "m"))
+        beyond, words = length - symbol_of(joint.clearance), "is beyond"
+        if is_link(joint):
+            beyond, words = abs(beyond), "is not"
+        missed = recorder.largest([beyond - 2.0 * slack[0]])
+        gaps.append(Gap(f"the length of the offset of joint '{name}' {words} its clearance, by", missed, "m"))
     return gaps
 
 

@@ -68,7 +68,8 @@ class Starts:
         for n in np.flatnonzero(~good):
             try:
                 system, start = self.assemble(values[:, n])
-                y[:, n], constants[:, n] = start_state(system, start), flat(constants_of(system.model))
+                y[:, n], own = start_state(system, start), flat(constants_of(system.model))
+                constants[: len(own), n] = own
                 if not alike[n]:
                     y[:, n], messages[int(n)] = np.nan, OTHER
             except (ModelError, AssemblyError) as error:

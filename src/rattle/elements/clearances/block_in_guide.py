@@ -23,6 +23,7 @@ import numpy as np
 from rattle.interfaces.contacts import ClearanceKind, FreePlay
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
+from rattle.jit.choices import select
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import direction, turn_x, turn_y
 from rattle.language.recorded import hypot
@@ -49,8 +50,9 @@ def guide(body, a, b, p, k, corner, row, kinematics):
     ly = side * half_height
     cb, sb = math.cos(axis - angle), math.sin(axis - angle)
     dx, dy = cb * lx - sb * ly, sb * lx + cb * ly
-    if nx * turn_x(body, b, dx, dy) + ny * turn_y(body, b, dx, dy) < 0.0:  # turned over: the other end
-        dx, dy = -dx, -dy
+    over = nx * turn_x(body, b, dx, dy) + ny * turn_y(body, b, dx, dy) < 0.0
+    end = select(over, -1.0, 1.0)  # turned over: the other one
+    dx, dy = end * dx, end * dy
     pbx = turn_x(body, b, p[k + 2] + dx, p[k + 3] + dy)
     pby = turn_y(body, b, p[k + 2] + dx, p[k + 3] + dy)
     pax = body[b, at.X] + pbx - body[a, at.X]

@@ -18,9 +18,12 @@ import math
 
 from rattle.interfaces.contacts import ClearanceKind
 from rattle.jit import layout as at
+from rattle.jit.choices import select
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import COINCIDENT, ends
 from rattle.registry import kind
+
+LEAST = 1e-300  # [m^2]
 
 
 @kernel("clearance")
@@ -29,9 +32,10 @@ def pin(body, a, b, p, k, corner, row, kinematics):
     sax, say, sbx, sby, ex, ey, dex, dey = ends(body, a, b, p, k)
     c, bore = p[k + at.CLEARANCE], p[k + at.RADIUS]
     wa, wb = body[a, at.W], body[b, at.W]
-    e = math.sqrt(ex * ex + ey * ey)
-    inv = 1.0 / e if e > COINCIDENT else 0.0
-    nx = ex * inv if e > COINCIDENT else 1.0
+    e = math.sqrt(max(ex * ex + ey * ey, LEAST))  # in the middle it has a derivative too
+    apart = e > COINCIDENT
+    inv = select(apart, 1.0 / max(e, COINCIDENT), 0.0)
+    nx = select(apart, ex * inv, 1.0)
     ny = ey * inv
     along = nx * dex + ny * dey
     across = nx * dey - ny * dex  # t . e'

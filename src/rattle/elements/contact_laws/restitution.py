@@ -20,6 +20,7 @@ import math
 from collections.abc import Callable
 
 from rattle.errors import InputError
+from rattle.language.recorded import as_number
 
 LEAST_RESTITUTION = 1e-3  # a is about 1/x as x -> 0: smaller values are replaced by this one
 SERIES = 0.1  # below it the closed form of psi loses digits and its series converges in 18 terms
@@ -31,7 +32,7 @@ def factor_returning(restitution: float) -> float:
     A restitution below 0.001 is taken as 0.001, where a = 1000 (a is infinite at 0).
     Raises InputError outside [0, 1].
     """
-    x = max(checked(restitution), LEAST_RESTITUTION)
+    x = max(float(checked(restitution)), LEAST_RESTITUTION)
     if x == 1.0:
         return 0.0
 
@@ -65,8 +66,8 @@ def restitution_returned(factor: float) -> float:
 
 
 def checked(restitution: float) -> float:
-    """The restitution [-] as a float.  Raises InputError unless it lies within [0, 1]."""
-    e = float(restitution)
+    """The restitution [-] as a number, recorded or not.  Raises InputError unless it lies within [0, 1]."""
+    e = as_number(restitution)
     if not 0.0 <= e <= 1.0:
         raise InputError(f"a restitution of {restitution} is outside 0 ... 1")
     return e

@@ -37,7 +37,8 @@ def sensitivity(
 ) -> Result:  # fmt: skip
     """Exact derivatives of curves by parameters, for all of them at once: `s["d(rocker.angle)/d(l2)"]` [SI].
 
-    outputs: names of a result.  parameters: names of parameters; all else that is written with them follows.
+    outputs: names of a result, and of contacts "time(B.contacts, 2)", "speed(...)", "peak(...)", whose derivatives
+    are the same at all instants.  parameters: names of parameters; all else that is written with them follows.
     t_eval: output instants [s] (default: those of the model; t = 0 for an equilibrium).
     analysis: "simulate" integrates the derivatives along with the motion, start included, and controls the errors
     of both; "kinematics", "inverse-dynamics" and "equilibrium" (one instant, or a quasi-static path) solve for
@@ -45,11 +46,13 @@ def sensitivity(
     rtol (default 1e-10), atol: of a motion, as in `simulate`.
 
     The result holds the outputs and, for each parameter, their derivatives.  Where they grow exponentially,
-    `trust` says how fast, and how long they tell what a change does.  Where an expression switches, the jump of
-    the derivatives is exact.  What cannot go on ends the result with success = False and a message
-    (strict=True raises SolverError).
-    Raises TraceError, with the reason, for contacts and loads written in Python, for drivers that switch, and
-    where the start does not follow from [initial]; UnknownName, and what the analysis itself raises.
+    `trust` says how fast, and how long they tell what a change does.  Where an expression switches, and where
+    contacts begin and end, the jump of the derivatives is exact: contacts with force laws, and rigid ones that
+    bounce, stick, slip, or stay shut without friction; one that grazes is told.  What cannot go on ends the result
+    with success = False and a message (strict=True raises SolverError).
+    Raises TraceError, with the reason, for oil, wear, clutches and dry friction of joints, for loads written in
+    Python, for drivers that switch, and where the start does not follow from [initial]; UnknownName, and what the
+    analysis itself raises.
 
     Source: docs/theory.md, section 10.
     """

@@ -54,7 +54,8 @@ def sensitivity(
     named d(rocker.angle)/d(l2), in SI units.
 
     A linear estimate fails where sensitivities grow exponentially: a note then says how fast, and until when it holds.
-    Contacts begin and end, so they are refused: use massless links, or --ideal.
+    Contacts count too: time(B.contacts,2), speed(...) and peak(...) are outputs. What cannot be followed (oil, wear,
+    clutches) is named: use massless links, or --ideal.
 
     FILE is a model file or the name of a shipped example.
 

@@ -5,6 +5,7 @@ Source: docs/theory.md, section 10; Haug, Computer Aided Kinematics and Dynamics
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -14,7 +15,7 @@ import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled
-from rattle.analyses.dynamics.simulate import output_times
+from rattle.analyses.dynamics.simulate import output_times, simulate
 from rattle.analyses.history import require_no_states
 from rattle.analyses.straight_line.derived_curves import derived_curve, derived_names
 from rattle.analyses.straight_line.machine_code import MachineFunctions
@@ -22,10 +23,12 @@ from rattle.analyses.straight_line.recorded_model import RecordedModel, record_m
 from rattle.equations.system import System
 from rattle.errors import InputError, SolverError, TraceError, suggest
 from rattle.language.recorded import Operand
+from rattle.language.syntax import Name
 from rattle.questions.equilibrium.compute import equilibria
 from rattle.questions.equilibrium.quasistatic import quasistatic
 from rattle.questions.kinematics.compute import analyse, instants
 from rattle.questions.sensitivity.at_rest import AtRest, record_rest
+from rattle.questions.sensitivity.contacts import ContactMotion, Touching
 from rattle.questions.sensitivity.driven import Driven, positions
 from rattle.questions.sensitivity.effects import derivative_name, quotient, usual_change
 from rattle.questions.sensitivity.functions import Functions
@@ -34,6 +37,8 @@ from rattle.questions.sensitivity.motion import Motion
 from rattle.questions.sensitivity.parameters import Parameters
 from rattle.questions.sensitivity.start import counted, start
 from rattle.results.build import build_result
+from rattle.results.columns import geometry
+from rattle.results.reductions import OF_CONTACT, Known, Reduction, meetings, read
 from rattle.results.result import Result, UnknownName
 from rattle.results.trust import Trust
 from rattle.solvers.stepper import ATOL
@@ -43,6 +48,8 @@ from rattle.value_types import Tree
 ANALYSES = ("simulate", "kinematics", "inverse-dynamics", "equilibrium")
 RTOL = 1e-10  # default relative tolerance of a motion with its derivatives
 SAME = 1e-6  # share of the largest of its unit by which a curve may differ from that of the analysis itself
+NOTICED = 1e-3  # share of the fastest contact below which contacts are not compared with those of a run alone
+PARTING = 1e-3  # share of a run by which the same contact of two runs of a chaotic motion may differ
 STILL = 1e-12  # [SI] scale of curves that are all 0, beside which nothing is told from rounding
 NUDGE = 1e-7  # change of a parameter, as a share, that must not change the parts of the model
 
@@ -69,11 +76,14 @@ class Asked:
     t_eval: np.ndarray  # (n,) [s]
     rtol: float
     atol: float  # [m, rad, m/s, rad/s]
+    of_contacts: Mapping[str, Reduction] = field(default_factory=dict)  # those outputs that are of a contact
 
     def curves(self, columns: Mapping[str, Operand]) -> tuple[dict[str, Operand], dict[str, str]]:
         """Symbols and SI units of the outputs.  columns: result columns by name."""
         model, symbols, units = self.model, {}, {}
         for name in self.outputs:
+            if name in self.of_contacts:
+                continue
             if name in columns:
                 symbols[name], units[name] = columns[name], model.units[name]
                 continue
@@ -105,8 +115,9 @@ def sensitivity(
         require_no_states(system.model, analysis)
     times = _times(system, t_eval, analysis)
     arguments.require_room(len(times), len(outputs) * (1 + len(parameters)))
-    model = _recorded(document, system, begin, parameters)
-    asked = Asked(model, Parameters.of(model), outputs, times, rtol, atol)
+    of_contacts = _of_contacts(system, outputs, analysis)
+    model = _recorded(document, system, begin, parameters, analysis == "simulate")
+    asked = Asked(model, Parameters.of(model), outputs, times, rtol, atol, of_contacts)
     answer, units = FIND[analysis](asked)
     answer.stats["wall_time"] = time.perf_counter() - began
     result = _result(asked, analysis, answer, units)
@@ -132,10 +143,31 @@ def _times(system: System, t_eval: Any, analysis: str) -> np.ndarray:
     return output_times(system.model.settings, None, times)[1] if analysis == "simulate" else times
 
 
-def _recorded(document: Tree, system: System, begin: Assembled, parameters: Sequence[str]) -> RecordedModel:
+def _of_contacts(system: System, outputs: Sequence[str], analysis: str) -> dict[str, Reduction]:
+    """Outputs that are the time, the speed or the largest force of a contact.  Raises InputError, ModelError."""
+    found: dict[str, Reduction] = {}
+    for text in outputs:
+        word = text.partition("(")[0].strip()
+        if word == "count":
+            raise InputError(f"{text!r}: a number of contacts has no derivative: it jumps")
+        if word in OF_CONTACT and "(" in text:
+            if analysis != "simulate":
+                raise InputError(f"{text!r}: contacts begin in a run in time (simulate), not in {analysis}")
+            output = read(text, Known({}, {}, meetings(geometry(system.model))))
+            if len(output.reductions) > 1 or not isinstance(output.outer, Name):
+                raise InputError(f"{text!r}: ask for the derivative of one contact at a time")
+            found[text] = output.reductions[0]
+    return found
+
+
+def _recorded(
+    document: Tree, system: System, begin: Assembled, parameters: Sequence[str], in_time: bool
+) -> RecordedModel:
     """The recorded model.  Raises TraceError with what can be done, also where a parameter changes its parts."""
     try:
-        model = record_model(document, system, begin, parameters)
+        model = record_model(
+            document, system, begin, parameters, contacts=in_time and len(system.arrays["contact"]) > 0
+        )
     except TraceError as error:
         remedy = ""
         joints = system.model.joints.items()
@@ -174,10 +206,14 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
     curves, units = asked.curves(model.curves)
     compiled = MachineFunctions()
     functions = Functions(model, asked.parameters, curves, compiled.add)
+    touching = None if model.contacts is None else Touching(functions, model.contacts, compiled.add)
     z, functions.parameters = start(model, asked.parameters, compiled)
-    run = Motion(functions, z, asked.t_eval, asked.rtol, asked.atol)
+    how = asked.t_eval, asked.rtol, asked.atol
+    run = Motion(functions, z, *how) if touching is None else ContactMotion(functions, touching, z, *how)
     run.go()
     notes, reach = _growth_notes(asked, run)
+    if isinstance(run, ContactMotion) and run.t > 0.0:
+        _require_same_contacts(asked, run, reach)
     count, k = len(curves), len(model.parameters)
     trust = Trust(
         drift=run.drift, drift_angle=run.drift_angle, energy_balance=run.balance, energy_share=run.share, t_end=run.t,
@@ -186,11 +222,57 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
     stats = {"steps": run.steps, "rejected": run.rejected, "switchings": run.switched}
     if run.interrupted:
         stats["interrupted"] = True
-    values = np.array(run.values).reshape(-1, count)
-    derivatives = np.array(run.derivatives).reshape(-1, count, k)
+    n = len(run.values)
+    values, derivatives = np.array(run.values).reshape(n, count), np.array(run.derivatives).reshape(n, count, k)
+    if isinstance(run, ContactMotion):
+        derivatives[asked.t_eval[: len(derivatives)] >= run.grazed] = np.nan
+        values, derivatives = _with_contacts(asked, run, values, derivatives, list(curves))
+        units |= {name: reduction.unit for name, reduction in asked.of_contacts.items()}
+        trust = replace(trust, notes=(*trust.notes, *run.notes))
     return Found(
         values, derivatives, trust, stats, run.message, {"method": "dop853", "rtol": asked.rtol, "atol": asked.atol}
     ), units
+
+
+def _require_same_contacts(asked: Asked, run: ContactMotion, reach: float) -> None:
+    """Raise TraceError unless the contacts of a run without derivatives begin at the same instants, as far as [s]."""
+    system, end = asked.model.system, float(run.t)
+    alone = simulate(system, asked.model.start, t_end=end, t_eval=[0.0, end], rtol=asked.rtol, atol=asked.atol)
+    events = [event for event in alone.events if event.kind in ("contact", "impact")]
+    noticed = NOTICED * max((event.normal_speed for event in events), default=0.0)
+    for n, event in enumerate(events):
+        met = run.met[n] if n < len(run.met) else None
+        if event.normal_speed < noticed or event.t > min(reach, (1.0 - SAME) * end) or event.t >= run.grazed:
+            return
+        apart = abs(met.time - event.t) if met is not None and met.joint == event.joint else math.inf
+        if SAME * end < apart < PARTING * end:  # runs that were the same part: from here on errors are large
+            return
+        if apart > SAME * end:
+            raise TraceError(
+                f"no sensitivities: contact {n + 1}, in {event.joint} at t = {event.t:.6g} s, is missed; a smaller rtol"
+                " may help"
+            )
+
+
+def _with_contacts(
+    asked: Asked, run: ContactMotion, values: np.ndarray, derivatives: np.ndarray, curves: Sequence[str]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Columns of all outputs in their order: those of contacts are the same at every instant."""
+    n, k = len(values), len(asked.parameters.names)
+    all_values, all_slopes = np.full((n, len(asked.outputs)), np.nan), np.full((n, len(asked.outputs), k), np.nan)
+    for column, name in enumerate(asked.outputs):
+        if name not in asked.of_contacts:
+            all_values[:, column] = values[:, curves.index(name)]
+            all_slopes[:, column] = derivatives[:, curves.index(name)]
+            continue
+        reduction = asked.of_contacts[name]
+        joint = reduction.inner.name.rpartition(".")[0] if isinstance(reduction.inner, Name) else ""
+        mine = [met for met in run.met if met.joint == joint]
+        if len(mine) >= reduction.number:
+            met = mine[reduction.number - 1]
+            all_values[:, column], slope = getattr(met, reduction.kind), getattr(met, f"by_{reduction.kind}")
+            all_slopes[:, column] = slope if met.time < run.grazed else np.nan
+    return all_values, all_slopes
 
 
 def _growth_notes(asked: Asked, run: Motion) -> tuple[list[str], float]:

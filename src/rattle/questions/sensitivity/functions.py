@@ -7,11 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle.analyses.straight_line.linearised import Columns, Linearised, switching_functions
+from rattle.analyses.straight_line.linearised import Columns, Linearised, live_without, switching_functions
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.language.recorded import Operand
 from rattle.questions.sensitivity.parameters import Parameters
 from rattle.trace.lane_program import Compile
+from rattle.trace.recorded_contacts import SHALLOW
 
 ENERGIES = ("kinetic", "potential", "work", "dissipated")
 
@@ -38,6 +39,9 @@ class Functions:
         self.energy_rates = np.zeros(len(parameters.values))  # its derivatives
         graph = model.graph
         margins = switching_functions(graph, model.derivative[:-1])
+        self.resting = np.zeros(len(margins), dtype=bool)  # expressions that have no effect at present
+        self.of_contact = _of_contacts(model, margins)
+        self.resting |= self.of_contact[-1]
         self._rate = Linearised(graph, [*model.derivative, *(x < 0.0 for x in margins)], compile_function)
         self._margins = Linearised(graph, margins, compile_function) if margins else None
         self._project = Linearised(graph, model.projection, compile_function)
@@ -49,32 +53,33 @@ class Functions:
     def start_energy(self, z: np.ndarray) -> None:
         """Take the energy at the start, and its derivatives, from the state z there."""
         self.energy, self.energy_rates = 0.0, np.zeros_like(self.energy_rates)
-        total, rates = self._energies(*self._at(0.0, z))
+        total, rates = self._energies(*self.at(0.0, z))
         self.energy, self.energy_rates = float(total[0]), rates[0]
 
     def inputs(self, t: float, y: np.ndarray) -> np.ndarray:
         """(n_in,) inputs of the graph."""
         return np.concatenate([[t], y, self.parameters.inputs, [self.energy]])
 
-    def _at(self, t: float, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def at(self, t: float, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         parameters = self.parameters.along
         along = np.vstack([np.zeros((1, parameters.shape[1])), z[:, 1:], parameters, self.energy_rates[None]])
         return self.inputs(t, z[:, 0]), along
 
     def rates(self, t: float, z: np.ndarray) -> Rates:
         """dz/dt."""
-        values, along = self._rate(*self._at(t, z))
+        values, along = self._rate(*self.at(t, z))
         n = self.size
-        return Rates(np.column_stack([values[:n], along[:n]]), values[n] == 1.0, values[n + 1 :])
+        sides = np.where(self.resting, 0.0, values[n + 1 :])
+        return Rates(np.column_stack([values[:n], along[:n]]), values[n] == 1.0, sides)
 
     def projected(self, t: float, z: np.ndarray) -> tuple[np.ndarray, bool]:
         """z on the constraints, and whether that is sound."""
-        values, along = self._project(*self._at(t, z))
+        values, along = self._project(*self.at(t, z))
         return np.column_stack([values[:-1], along[:-1]]), values[-1] == 1.0
 
     def curves(self, t: float, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
         """Curves (nc,), their derivatives (nc, k), and whether they are sound."""
-        values, along = self._curves(*self._at(t, z))
+        values, along = self._curves(*self.at(t, z))
         return values[:-1], along[:-1], values[-1] == 1.0
 
     def energies(self, t: float, z: np.ndarray) -> np.ndarray:
@@ -84,7 +89,19 @@ class Functions:
     def margins(self, t: float, z: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives (ns, k) of the switching functions, and their time derivatives (ns,) for dy/dt = rate (ny,)."""
         assert self._margins is not None
-        x, along = self._at(t, z)
+        x, along = self.at(t, z)
         in_time = np.concatenate([[1.0], rate, np.zeros(len(x) - 1 - len(rate))])
         _, slopes = self._margins(x, np.column_stack([along, in_time]))
         return slopes[:, :-1], slopes[:, -1]
+
+
+def _of_contacts(model: RecordedModel, margins: list[Operand]) -> np.ndarray:
+    """(n + 1, ns) which switching functions have an effect only while contact n is shut; last those that have none."""
+    flags = [] if model.contacts is None else model.contacts.are.is_shut
+    graph, outputs = model.graph, model.derivative[:-1]
+    alone = np.zeros((len(flags), len(margins)), dtype=bool)
+    for n, flag in enumerate(flags):
+        others = {graph.place(x) for x in switching_functions(graph, outputs, live_without(graph, outputs, flag))}
+        alone[n] = [graph.place(margin) not in others for margin in margins]
+    beyond = set() if model.contacts is None else {graph.place(gap + SHALLOW) for gap in model.contacts.gap}
+    return np.vstack([alone, np.array([[graph.place(margin) in beyond for margin in margins]], dtype=bool)])

@@ -105,11 +105,12 @@ class Motion:
         if (rates.sides != self._rates.sides).any():
             self._shorten("sides", h, 0.5)
             return
-        self._accept(step, t_new, projected, rates)
-        self.h = h if self._near else longer(h, error, POWER, SAFETY)
-        self._near = max(0, self._near - 1)
+        if self._accept(step, t_new, projected, rates):
+            self.h = h if self._near else longer(h, error, POWER, SAFETY)
+            self._near = max(0, self._near - 1)
 
-    def _accept(self, step: Step, t_new: float, z: np.ndarray, rates: Rates) -> None:
+    def _accept(self, step: Step, t_new: float, z: np.ndarray, rates: Rates) -> bool:
+        """Take a step; True if the next one may be chosen by its error."""
         k = len(self.values)
         inside = self.t_eval[k : np.searchsorted(self.t_eval, t_new, side="right")]
         if len(inside) and inside[-1] == t_new:
@@ -120,6 +121,7 @@ class Motion:
         self._keep_outputs(states)
         self.t, self.z, self._rates = t_new, z, rates
         self._note(z)
+        return True
 
     def _shorten(self, trouble: str, h: float, factor: float) -> None:
         self.rejected += 1

@@ -1,0 +1,366 @@
+"""A motion with contacts together with its derivatives by parameters: what each begin, end and impact does to them.
+
+    g(t, y, p) = 0 at t*,  y+ = r(t, y-, p):    t*_p = -(g_y Y- + g_p)/(g_t + g_y f-)
+    Y+ = r_y Y- + r_p + (r_t + r_y f- - f+) t*_p                                          (saltation)
+
+A compliant contact begins with r = y, and its speed v0 = -g' is a constant of its laws from there on, with
+v0_p = -(g'_y Y- + g'_p) - (dg'/dt) t*_p;  it ends where its gap opens, or its force does.  An impact of a rigid contact
+changes rates by impulses that stick, or slip in one sense: each way is a formula with derivatives of its own.
+The largest force of a contact changes as the force at that instant does.
+
+Source: Ivanov, Stability of periodic motions with impacts, in: Impacts in Mechanical Systems, Springer (2000);
+Leine, Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems (2004), chapter 7.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rattle.analyses.straight_line.linearised import Linearised
+from rattle.analyses.straight_line.recorded_model import ContactFunctions
+from rattle.questions.sensitivity.functions import Functions, Rates
+from rattle.questions.sensitivity.motion import BESIDE, RESTART, TOO_SHORT, Motion
+from rattle.questions.sensitivity.step import Step
+from rattle.solvers.nonsmooth.impacts import LOW
+from rattle.trace.lane_program import Compile
+
+GRAZES = 1e-3  # share of the largest |g'| since the contact before, below which a contact only grazes
+ALMOST = 0.1  # share of the gap at both ends of a step by which its least value may be in doubt
+TRIES = 60  # of a landing by interpolation, before steps are halved
+PEAK_ROUNDS = 40  # of the search for a largest force, by halves
+NOT_OPEN = 1e-12  # [m or rad] by which a contact may be shut at the start
+
+
+@dataclass
+class Met:
+    """One contact, with its derivatives by the parameters (k,)."""
+
+    joint: str
+    time: float  # [s]
+    by_time: np.ndarray
+    speed: float  # [m/s or rad/s]
+    by_speed: np.ndarray
+    peak: float = math.nan  # [N or N m]; nan of a rigid one
+    by_peak: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+
+@dataclass
+class Watched:
+    """Gaps of all contacts, their rates and forces (n,), with derivatives by parameters (n, k) and along the motion."""
+
+    gap: np.ndarray
+    rate: np.ndarray
+    normal: np.ndarray
+    by_gap: np.ndarray
+    by_rate: np.ndarray
+    by_normal: np.ndarray
+    rate_in_time: np.ndarray  # (n,)
+    normal_in_time: np.ndarray
+
+
+class Touching:
+    """The recorded contacts of a model with their derivatives, and their present state."""
+
+    def __init__(self, functions: Functions, contacts: ContactFunctions, compile_function: Compile) -> None:
+        self.functions, self.are, count = functions, contacts.are, contacts.count
+        graph = functions.model.graph
+        self._watch = Linearised(graph, [*contacts.gap, *contacts.rate, *contacts.normal], compile_function)
+        self._impacts = {
+            n: [Linearised(graph, [*way.state, way.possible], compile_function) for way in ways]
+            for n, ways in contacts.impacts.items()
+        }
+        self.shut = np.zeros(count, dtype=bool)
+        self.released = np.zeros(count, dtype=bool)  # without force, but not apart yet
+        self._let_rest()
+
+    def set(self, n: int, shut: bool, speed: float = 0.0, by_speed: np.ndarray | None = None) -> None:
+        """Let contact n be shut or open from now on."""
+        self.shut[n] = shut
+        parameters, count = self.functions.parameters, len(self.are)
+        constants, rates = parameters.constants.copy(), parameters.constant_rates.copy()
+        constants[len(constants) - 2 * count + n] = float(shut)
+        constants[len(constants) - count + n] = speed
+        rates[len(rates) - count + n] = 0.0 if by_speed is None else by_speed
+        self.functions.parameters = parameters._replace(constants=constants, constant_rates=rates)
+        self._let_rest()
+
+    def _let_rest(self) -> None:
+        """Laws of open contacts do not switch."""
+        some = np.append(~self.shut, True)
+        self.functions.resting = np.asarray(self.functions.of_contact[some].any(axis=0))
+
+    def watched(self, t: float, z: np.ndarray, rate: np.ndarray) -> Watched:
+        """Gaps, rates and forces at t [s] and z; rate: dy/dt (ny,)."""
+        x, along = self._directions(t, z, rate)
+        values, slopes = self._watch(x, along)
+        gap, speed, normal = values.reshape(3, -1)
+        by_gap, by_rate, by_normal = slopes.reshape(3, len(gap), -1)
+        return Watched(
+            gap, speed, normal, by_gap[:, :-1], by_rate[:, :-1], by_normal[:, :-1], by_rate[:, -1], by_normal[:, -1]
+        )
+
+    def impact(
+        self, n: int, t: float, z: np.ndarray, rate: np.ndarray, rebounds: bool = True
+    ) -> tuple[np.ndarray, np.ndarray] | None:
+        """z (ny, 1 + k) after an impact of contact n, and how y after it changes along the motion before (ny,).
+
+        None if none of its ways is possible, or several that differ.  rebounds: False for the last one of a contact
+        that stays shut.
+        """
+        x, along = self._directions(t, z, rate)
+        ways, possible = self._impacts[n], []
+        if self.are.lasts[n]:
+            ways = ways[:1] if rebounds else ways[1:]
+        for way in ways:
+            values, slopes = way(x, along)
+            if values[-1] == 1.0:
+                possible.append((np.column_stack([values[:-1], slopes[:-1, :-1]]), slopes[:-1, -1]))
+        return possible[0] if len(possible) == 1 else None
+
+    def _directions(self, t: float, z: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        x, along = self.functions.at(t, z)
+        in_time = np.concatenate([[1.0], rate, np.zeros(len(x) - 1 - len(rate))])
+        return x, np.column_stack([along, in_time])
+
+
+class ContactMotion(Motion):
+    """`Motion` of a mechanism whose contacts begin and end; `met` is the list of them, in order of time."""
+
+    def __init__(
+        self, functions: Functions, touching: Touching, z: np.ndarray, t_eval: np.ndarray, rtol: float, atol: float
+    ) -> None:
+        super().__init__(functions, z, t_eval, rtol, atol)
+        self.touching = touching
+        self.met: list[Met] = []
+        self.notes: list[str] = []
+        self.grazed = math.inf  # instant from which on derivatives are not defined [s]
+        count = len(touching.are)
+        self._fastest = np.zeros(count)  # largest |g'| since the contact before
+        self._open: dict[int, Met] = {}  # contacts that last
+        self._tries = 0
+
+    def _begin(self) -> None:
+        super()._begin()
+        if self.message:
+            return
+        self._seen = self._look(self.t, self.z, self._rates)
+        are = self.touching.are
+        shut = np.flatnonzero(self._seen.gap <= np.where(are.rigid, NOT_OPEN, -NOT_OPEN))
+        shut = shut[(self._seen.gap[shut] < -NOT_OPEN) | (self._seen.rate[shut] <= 0.0)]
+        if len(shut):
+            self.message = (
+                f"bodies touch in {are.joints[shut[0]]} at the start already, from which derivatives cannot follow; let"
+                " them start apart"
+            )
+
+    def _look(self, t: float, z: np.ndarray, rates: Rates) -> Watched:
+        return self.touching.watched(t, z, rates.values[:, 0])
+
+    # ---------------------------------------------------------------- steps
+    def _accept(self, step: Step, t_new: float, z: np.ndarray, rates: Rates) -> bool:
+        before, after = self._seen, self._look(t_new, z, rates)
+        hit = self._hit(before, after)
+        late = self._late(hit, before, after) if len(hit) else 0.0
+        landed = late <= BESIDE * TOO_SHORT * self.t_end
+        if len(hit) and not landed:
+            self._land(hit, before, after, t_new - self.t)
+            return False
+        if not len(hit) and self._in_doubt(before, after, step, t_new):
+            self._shorten("contact", t_new - self.t, 0.5)
+            return False
+        self._note_peaks(before, after, step, t_new, z, rates)
+        super()._accept(step, t_new, z, rates)
+        self._seen, self._tries = after, 0
+        self._fastest = np.maximum(self._fastest, np.abs(after.rate))
+        self._let_go(after)
+        if len(hit):
+            self._meet(hit)
+        return not len(hit)
+
+    def _hit(self, before: Watched, after: Watched) -> np.ndarray:
+        """Contacts that begin or end within a step."""
+        touching = self.touching
+        by_force = touching.are.by_force
+        deeper = (after.gap < before.gap) & (after.rate < 0.0)
+        begins = ~touching.shut & ~touching.released & (after.gap < 0.0) & ((before.gap > 0.0) | deeper)
+        opens = touching.shut & ~by_force & (after.gap > 0.0) & ((before.gap < 0.0) | (after.rate > 0.0))
+        pulls = touching.shut & by_force & (after.normal < 0.0) & (after.normal_in_time < 0.0)
+        return np.flatnonzero(begins | opens | pulls)
+
+    def _late(self, hit: np.ndarray, before: Watched, after: Watched) -> float:
+        """By how much the end of a step is beyond the first of these contacts [s]."""
+        return float(max(self._overshoot(n, after) for n in hit))
+
+    def _overshoot(self, n: int, after: Watched) -> float:
+        value, rate = (after.gap[n], after.rate[n])
+        if self.touching.shut[n] and self.touching.are.by_force[n]:
+            value, rate = after.normal[n], after.normal_in_time[n]
+        return abs(value / rate) if rate != 0.0 else 0.0
+
+    def _land(self, hit: np.ndarray, before: Watched, after: Watched, h: float) -> None:
+        """Try a step that ends at the first of these contacts."""
+        self._tries += 1
+        share = min(self._share(n, before, after, h) for n in hit)
+        share = 0.5 if self._tries > TRIES else min(max(share, 1e-3), 1.0 - 1e-12)
+        if share * h <= TOO_SHORT * self.t_end:
+            self._meet(hit)
+            return
+        self.rejected += 1
+        self.h = share * h
+
+    def _share(self, n: int, before: Watched, after: Watched, h: float) -> float:
+        """Where in a step the gap, or the force, is zero: on the cubic through both ends."""
+        if self.touching.shut[n] and self.touching.are.by_force[n]:
+            ends = before.normal[n], before.normal_in_time[n], after.normal[n], after.normal_in_time[n]
+        else:
+            ends = before.gap[n], before.rate[n], after.gap[n], after.rate[n]
+        a, da, b, db = ends[0], h * ends[1], ends[2], h * ends[3]
+        roots = np.roots([2 * a + da - 2 * b + db, -3 * a - 2 * da + 3 * b - db, da, a])
+        inside = [float(x.real) for x in roots if abs(x.imag) < 1e-9 and 1e-9 < x.real <= 1.0]
+        return min(inside) if inside and a != 0.0 else (max(inside) if inside else 0.5)
+
+    def _in_doubt(self, before: Watched, after: Watched, step: Step, t_new: float) -> bool:
+        """Whether a gap that turns within a step may have closed in it, or one that closed may have opened."""
+        turns = ~self.touching.released & (before.rate * after.rate < 0.0)
+        turns &= np.where(self.touching.shut, before.rate > 0.0, before.rate < 0.0)
+        if not turns.any():
+            return False
+        h = t_new - self.t
+        if h <= 16.0 * TOO_SHORT * self.t_end:
+            return False
+        (middle,) = step.states(self.functions, np.array([self.t + 0.5 * h]))
+        rates = self.functions.rates(self.t + 0.5 * h, middle)
+        between = self._look(self.t + 0.5 * h, middle, rates)
+        for n in np.flatnonzero(turns):
+            sign = -1.0 if self.touching.shut[n] else 1.0
+            a, b = sign * before.gap[n], sign * after.gap[n]
+            da, db = sign * h * before.rate[n], sign * h * after.rate[n]
+            theta = np.linspace(0.0, 1.0, 65)
+            cubic = a + theta * (da + theta * ((3 * (b - a) - 2 * da - db) + theta * (2 * (a - b) + da + db)))
+            off = abs(sign * between.gap[n] - cubic[32])
+            if cubic.min() - 4.0 * off < min(0.0, ALMOST * min(a, b)) and min(a, b) > 0.0:
+                return True
+        return False
+
+    def _let_go(self, after: Watched) -> None:
+        """Contacts whose force has ended are open once their gap is."""
+        self.touching.released &= ~((after.gap > 0.0) & (after.rate > 0.0))
+
+    # ---------------------------------------------------------------- contacts
+    def _meet(self, hit: np.ndarray) -> None:
+        """What begins or ends at the present instant."""
+        joints = self.touching.are.joints
+        if len(hit) > 1:
+            names = ", ".join(dict.fromkeys(joints[n] for n in hit))
+            self.message = f"stopped at t = {self.t:.6g} s: several contacts begin or end there at once ({names})"
+            return
+        (n,) = hit.tolist()
+        seen, before = self._seen, self._rates.values
+        shut, by_force = self.touching.shut[n], self.touching.are.by_force[n] and self.touching.shut[n]
+        by, rate = (seen.by_normal, seen.normal_in_time) if by_force else (seen.by_gap, seen.rate)
+        shift = -by[n] / rate[n] if rate[n] != 0.0 else np.full(before.shape[1] - 1, math.nan)
+        if shut:
+            self._end(n, shift)
+        else:
+            self._start(n, shift)
+        if not self.message:
+            self.h, self._near = RESTART * self.t_end, 0
+            self.switched += 1
+
+    def _start(self, n: int, shift: np.ndarray) -> None:
+        seen, touching, joint = self._seen, self.touching, self.touching.are.joints[n]
+        speed = -float(seen.rate[n])
+        by_speed = -seen.by_rate[n] - seen.rate_in_time[n] * shift
+        if speed < GRAZES * self._fastest[n] and self.grazed == math.inf:
+            self.grazed = self.t
+            self.notes.append(
+                f"contact {self._number(joint)} of {joint} grazes at t = {self.t:.6g} s: derivatives from there on are"
+                " not defined"
+            )
+        met = Met(joint, self.t, shift, speed, by_speed)
+        self.met.append(met)
+        self._fastest[n] = 0.0
+        if touching.are.rigid[n]:
+            self._collide(n, shift, speed)
+        else:
+            before = self._rates.values[:, 0]
+            touching.set(n, True, speed, by_speed)
+            self._open[n] = met
+            met.peak, met.by_peak = 0.0, np.zeros_like(shift)
+            self._go_on(self.z, before, shift)
+
+    def _collide(self, n: int, shift: np.ndarray, speed: float) -> None:
+        joint = self.touching.are.joints[n]
+        bend = abs(float(self._seen.rate_in_time[n]))
+        stays = 0.5 * speed * speed <= LOW * self.touching.are.scale[n] * bend
+        if stays and not self.touching.are.lasts[n]:
+            self.message = (
+                f"stopped at t = {self.t:.6g} s: {joint} comes to rest on its rigid contact with friction, beyond which"
+                " derivatives are not computed"
+            )
+            return
+        if held := [other for other in np.flatnonzero(self.touching.shut) if self.touching.are.rigid[other]]:
+            lasting = self.touching.are.joints[held[0]]
+            self.message = f"stopped at t = {self.t:.6g} s: {joint} hits while the rigid contact of {lasting} lasts"
+            return
+        after = self.touching.impact(n, self.t, self.z, self._rates.values[:, 0], not stays)
+        if after is None:
+            self.message = f"stopped at t = {self.t:.6g} s: the impact in {joint} has no solution, or several"
+            return
+        z, along = after
+        if stays:
+            self.touching.set(n, True)
+        self._go_on(z, along, shift)
+
+    def _end(self, n: int, shift: np.ndarray) -> None:
+        before = self._rates.values[:, 0]
+        self.touching.set(n, False)
+        self.touching.released[n] = self.touching.are.by_force[n]
+        self._open.pop(n, None)
+        self._fastest[n] = abs(self._seen.rate[n])
+        self._go_on(self.z, before, shift)
+
+    def _go_on(self, z: np.ndarray, along: np.ndarray, shift: np.ndarray) -> None:
+        """Go on from z; along: how the state after changes with the instant of the change, before it is taken off."""
+        z = z.copy()
+        rates = self.functions.rates(self.t, z)
+        z[:, 1:] += (along - rates.values[:, 0])[:, None] * shift
+        z, sound = self.functions.projected(self.t, z)
+        self.z, self._rates = z, self.functions.rates(self.t, z)
+        if not (sound and self._rates.sound):
+            self.message = f"stopped at t = {self.t:.6g} s: a contact begins or ends next to a singular position"
+            return
+        self._seen = self._look(self.t, self.z, self._rates)
+
+    def _number(self, joint: str) -> int:
+        return 1 + sum(met.joint == joint for met in self.met)
+
+    # ---------------------------------------------------------------- largest forces
+    def _note_peaks(
+        self, before: Watched, after: Watched, step: Step, t_new: float, z: np.ndarray, rates: Rates
+    ) -> None:
+        """Keep the largest force of every contact that lasts."""
+        for n, met in self._open.items():
+            if before.normal_in_time[n] > 0.0 > after.normal_in_time[n]:
+                self._keep(met, n, self._top(step, n, t_new))
+            self._keep(met, n, after)
+
+    @staticmethod
+    def _keep(met: Met, n: int, seen: Watched) -> None:
+        if seen.normal[n] > met.peak:
+            met.peak, met.by_peak = float(seen.normal[n]), seen.by_normal[n]
+
+    def _top(self, step: Step, n: int, t_new: float) -> Watched:
+        """Where a force is largest within a step."""
+        low, high = self.t, t_new
+        for _ in range(PEAK_ROUNDS):
+            t = 0.5 * (low + high)
+            (z,) = step.states(self.functions, np.array([t]))
+            seen = self._look(t, z, self.functions.rates(t, z))
+            low, high = (t, high) if seen.normal_in_time[n] > 0.0 else (low, t)
+            if high - low <= TOO_SHORT * self.t_end:
+                break
+        return seen

@@ -1,0 +1,239 @@
+"""Contacts of a recorded model: whether each is shut, and how fast it closed, are inputs of the graph.
+
+The force of a compliant contact is that of its laws where it is shut, none elsewhere.  A rigid one exerts none: what
+an impact changes is recorded beside the motion, from the response of the mechanism to impulses along its normal and
+its tangent, which the factor of the equations of motion gives.
+"""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle.equations import compliant, motion
+from rattle.equations.state import IMPULSE, LOSS, account_at
+from rattle.equations.system import System
+from rattle.errors import TraceError
+from rattle.jit import families
+from rattle.jit import layout as at
+from rattle.language.recorded import Flag, Operand, Recorded, bare
+from rattle.trace.graph import Graph, Symbol, both, select
+from rattle.trace.recorded_language import Copies
+from rattle.value_types import Plain
+
+NEWTON = 0.0  # see the choices of `restitution_law`
+SHALLOW = 1e-30  # least depth for which laws are computed: a step may end beyond that of a contact [m or rad]
+APART = 1e-3  # depth with which the laws of an open contact are computed, and left aside [m or rad]
+UNABLE = (
+    (at.FILM_LAW, "oil", lambda x: x >= 0), (at.LEVEL, "a clutch", bool), (at.WORN, "wear", bool),
+    (at.TOOTHED, "teeth", bool), (at.STATES, "friction with states", bool),
+)  # fmt: skip
+
+
+class _Positive(Symbol):
+    """A symbol that is positive where it counts: kernels of laws ask that before they compute."""
+
+    __slots__ = ()
+
+    def __le__(self, other: Operand) -> Flag:
+        return False if isinstance(other, float | int) and other <= 0.0 else super().__le__(other)
+
+    def __gt__(self, other: Operand) -> Flag:
+        return True if isinstance(other, float | int) and other <= 0.0 else super().__gt__(other)
+
+
+class _Gap(Symbol):
+    """A gap that is negative where it counts."""
+
+    __slots__ = ()
+
+    def __neg__(self) -> Operand:
+        return _positive(super().__neg__())
+
+
+def _positive(x: Operand) -> Operand:
+    return _Positive(x.graph, x.place) if isinstance(x, Symbol) else x
+
+
+class Impact(NamedTuple):
+    """What an impact of one contact does in one way: sticking, or slipping in one sense."""
+
+    state: list[Operand]  # (ny,) after it
+    possible: Flag
+
+
+class RecordedContacts:
+    """The contacts of a system, n of them, on symbols of one graph."""
+
+    def __init__(self, graph: Graph, system: System) -> None:
+        """Raises TraceError for a contact that cannot be recorded so."""
+        self.graph, self.table = graph, system.arrays["contact"]
+        self.joints = tuple(system.joints[n] for n in self.table[:, at.OWNER])
+        self.rigid = self.table[:, at.IMPACT] == 1
+        values, places = system.arrays["values"], self.table[:, at.NORMAL_P]
+        mu = [values[p + at.MU] if rigid else 1.0 for p, rigid in zip(places, self.rigid, strict=True)]
+        smooth = [not isinstance(x, Recorded) and x == 0.0 for x in mu]
+        self.lasts = self.rigid & np.array(smooth, dtype=bool)  # rigid ones that may stay shut: those without friction
+        self.by_force = (self.table[:, at.BY_FORCE] == 1) | self.rigid  # they end where their force does, not their gap
+        self.scale = [bare(x) for x in system.arrays["lever"][:, at.GAP_SCALE]]  # sizes of gaps [m or rad]
+        for n, joint in enumerate(self.joints):
+            for column, words, has in UNABLE:
+                if has(self.table[n, column]):
+                    raise TraceError(f"contacts with {words} (joint {joint}) cannot be followed by derivatives")
+        self.shut = [graph.input() for _ in self.joints]
+        self.speed = [graph.input() for _ in self.joints]
+        self.is_shut = [shut > 0.5 for shut in self.shut]
+
+    def __len__(self) -> int:
+        return len(self.joints)
+
+    def prepare(self, workspace: SimpleNamespace) -> None:
+        """Set what kernels find in the memory of contacts."""
+        workspace.closed_contacts_table = (self._hold,) if any(self.lasts) else ()
+        for n in range(min(len(self), len(workspace.contact_memory))):
+            workspace.contact_memory[n, at.CLOSED] = at.SHUT
+            workspace.contact_memory[n, at.SPEED] = self.speed[n]
+
+    def begin(self, copies: Copies) -> None:
+        """Let calls of contacts be recorded; before any kernel is."""
+        copies.replace(families.call_stiffness, _positive_force)
+        copies.replace(families.call_normal, _positive_force)
+        self._copies = copies
+        copies.replace(compliant.measure.python, self._said(copies.of(compliant.measure.python), "the shape"))
+        laws = self._said(copies.of(compliant.add_force_of_laws.python), "a law")
+
+        def add(m: SimpleNamespace) -> None:
+            kinematics = m.contact_kinematics
+            columns = range(at.NORMAL, at.STORE + 1)
+            for n in range(len(self)):
+                for column in columns:
+                    kinematics[n, column] = 0.0
+                if self.rigid[n]:
+                    continue
+                shut, before = self.is_shut[n], m.force.copy()
+                measured = {column: kinematics[n, column] for column in (at.GAP, at.DGAP, at.SLIP)}
+                for column, value in measured.items():  # of an open contact numbers with which laws do not switch
+                    inside = select(value < -SHALLOW, value, -SHALLOW) if column == at.GAP else value
+                    kinematics[n, column] = select(shut, inside, -APART if column == at.GAP else 0.0)
+                deep = kinematics[n, at.GAP]
+                kinematics[n, at.GAP] = _Gap(deep.graph, deep.place)
+                laws(m, n)
+                for column, value in measured.items():
+                    kinematics[n, column] = value
+                for column in columns:
+                    kinematics[n, column] = select(shut, kinematics[n, column], 0.0)
+                for place in np.ndindex(m.force.shape):
+                    if m.force[place] is not before[place]:
+                        m.force[place] = select(shut, m.force[place], before[place])
+
+        copies.replace(compliant.add_contact_forces.python, add)
+
+    def _said(self, kernel: Plain, what: str) -> Plain:
+        """A kernel of a contact (m, n, ...) that says of which one it cannot be recorded."""
+
+        def call(m: SimpleNamespace, n: int, *more: object) -> None:
+            try:
+                kernel(m, n, *more)
+            except TraceError:
+                raise TraceError(
+                    f"{what} of the contacts in {self.joints[n]} branches, which derivatives cannot follow"
+                ) from None
+
+        return call
+
+    def _hold(self, m: SimpleNamespace) -> None:
+        """Add the force that a rigid contact without friction exerts while it is shut, and no other rigid one is."""
+        for n in np.flatnonzero(self.lasts).tolist():
+            push, away, reaction = _response(m, self._copies, n, 1.0, 0.0)
+            bend = m.contact_kinematics[n, at.GAMMA_N] + _power(push, m.acceleration)  # g'' without it
+            force, shut = -bend / _power(push, away), self.is_shut[n]
+            m.contact_kinematics[n, at.NORMAL] = select(shut, force, 0.0)
+            for array, response in ((m.acceleration, away), (m.multiplier, reaction)):
+                for place in np.ndindex(array.shape):
+                    array[place] = select(shut, array[place] + response[place] * force, array[place])
+
+    def impacts(self, m: SimpleNamespace, y: np.ndarray) -> dict[int, list[Impact]]:
+        """What impacts of rigid contacts do at the state y (ny,) for which the equations of motion stand in m."""
+        if m.massless.shape[0] > 0:
+            raise TraceError("impacts beside bodies without mass cannot be followed by derivatives")
+        return {n: self._impact(m, y, n) for n in np.flatnonzero(self.rigid).tolist()}
+
+    def _impact(self, m: SimpleNamespace, y: np.ndarray, n: int) -> list[Impact]:
+        copies = self._copies
+        p = self.table[n, at.NORMAL_P]
+        e, e_t, mu, law = (
+            m.values[p + k] for k in (at.RESTITUTION, at.TANGENTIAL_RESTITUTION, at.MU, at.RESTITUTION_LAW)
+        )
+        rate, slip = m.contact_kinematics[n, at.DGAP], m.contact_kinematics[n, at.SLIP]
+        push, away, _ = _response(m, copies, n, 1.0, 0.0)
+        g_nn, b_n = _power(push, away), -(1.0 + e) * rate
+        if self.lasts[n]:
+            ways = []
+            for normal in (b_n / g_nn, -rate / g_nn):
+                ways.append(Impact(self._after(m, y, n, normal, [(away, normal)]), normal >= 0.0))
+            return ways  # with its restitution, and without
+        if isinstance(law, Symbol) or law != NEWTON:
+            raise TraceError(
+                f'impacts with friction (joint {self.joints[n]}) have derivatives with restitution_law = "newton" only'
+            )
+        pull, along, _ = _response(m, copies, n, 0.0, -1.0)  # along the slip of B
+        g_nt, g_tt, b_t = _power(push, along), _power(pull, along), -(1.0 + e_t) * slip
+        det = g_nn * g_tt - g_nt * g_nt
+        normal, tangent = (g_tt * b_n - g_nt * b_t) / det, (g_nn * b_t - g_nt * b_n) / det
+        sticks = both(self.graph, [normal >= 0.0, abs(tangent) <= mu * normal])
+        ways = [Impact(self._after(m, y, n, normal, [(away, normal), (along, tangent)]), sticks)]
+        for sense in (1.0, -1.0):
+            normal = b_n / (g_nn - sense * mu * g_nt)
+            tangent = -sense * mu * normal
+            later = slip + g_nt * normal + g_tt * tangent
+            slips = both(self.graph, [normal >= 0.0, sense * later >= 0.0])
+            ways.append(Impact(self._after(m, y, n, normal, [(away, normal), (along, tangent)]), slips))
+        return ways
+
+    def _after(
+        self, m: SimpleNamespace, y: np.ndarray, n: int, normal: Operand, parts: list[tuple[np.ndarray, Operand]]
+    ) -> list[Operand]:
+        """y after impulses with these responses; the energy that is lost, and the impulse, go to the accounts."""
+        state, nq, lost = list(y), m.change.shape[0], 0.0
+        for i in range(1, m.mass.shape[0]):
+            for k in range(3):
+                place = nq + 3 * i - 3 + k
+                for response, impulse in parts:
+                    state[place] = state[place] + response[i, k] * impulse
+                lost = lost + 0.5 * m.mass[i, k] * (y[place] * y[place] - state[place] * state[place])
+        account = self._copies.of(account_at.python)(m, n)
+        state[account + LOSS] = state[account + LOSS] + lost
+        state[account + IMPULSE] = state[account + IMPULSE] + normal
+        return state
+
+
+def _response(
+    m: SimpleNamespace, copies: Copies, n: int, normal: float, tangent: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Generalised impulse of unit impulses of contact n (nb + 1, 3), the change of rates by it, and the multipliers."""
+    held = m.force.copy(), m.rows[:, at.GAMMA].copy(), m.acceleration.copy(), m.multiplier.copy()
+    m.force[:] = 0.0
+    m.rows[:, at.GAMMA] = 0.0
+    a, b = m.contact[n, at.A_BODY], m.contact[n, at.B_BODY]
+    copies.of(compliant.add_contact_force.python)(m.force, m.contact_kinematics, a, b, n, normal, tangent)
+    m.force[0] = 0.0
+    impulse = m.force.copy()
+    copies.of(motion.accelerate.python)(m)
+    change, reaction = m.acceleration.copy(), m.multiplier.copy()
+    m.force[:], m.rows[:, at.GAMMA], m.acceleration[:], m.multiplier[:] = held
+    return impulse, change, reaction
+
+
+def _power(impulse: np.ndarray, rates: np.ndarray) -> Operand:
+    total: Operand = 0.0
+    for place in np.ndindex(impulse.shape):
+        if place[0] > 0:
+            total = total + impulse[place] * rates[place]
+    return total
+
+
+def _positive_force(entry: Plain, arguments: tuple[object, ...]) -> Operand:
+    """What stands for calls of laws whose force is positive where it counts."""
+    return _positive(entry(*arguments))

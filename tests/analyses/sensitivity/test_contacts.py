@@ -1,0 +1,222 @@
+"""Derivatives through contacts: closed forms, differences of runs, and what is told."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from rattle.errors import InputError, ModelError, TraceError
+
+G = 9.81
+FINE = {"rtol": 1e-11, "atol": 1e-14}
+ROUNDING = 1e-7  # share by which derivatives of a run may be off
+ELASTIC = '{ model = "hertz", stiffness = "k", exponent = 1 }'
+RIGID = '{ model = "impact", restitution = "e" }'
+
+
+def ball(contact=RIGID, h=1.0, e=0.8, more="", g=G):
+    return f"""
+format = 1
+gravity = [0, {-g}]
+parameters = {{ h = {h}, e = {e}, k = 1e5, lift = 0 }}
+ground.points = {{ O = [0, 0], S = [0, -2] }}
+bodies.ball = {{ points = {{ C = [0, 0] }}, mass = 1, inertia = 1 }}
+initial.ball = {{ y = "h", vy = 0 }}
+{more}
+[joints.rail]
+type = "prismatic"
+connect = ["ground.O", "ball.C"]
+axis = "90 deg"
+angle = 0
+stop = {{ min = 0, contact = {contact} }}
+"""
+
+
+def disc(spin=40.0, mu=0.3, law="newton"):
+    contact = (
+        f'{{ model = "impact", restitution = "e", friction = "mu", bush_radius = "10 mm", restitution_law = "{law}" }}'
+    )
+    return f"""
+format = 1
+parameters = {{ c = 1e-3, e = 0.8, mu = {mu}, spin = {spin}, v = 1.0 }}
+ground.points.O = [0, 0]
+bodies.pin = {{ points = {{ P = [0, 0] }}, mass = 1, inertia = 1e-4 }}
+joints.O = {{ type = "revolute", connect = ["ground.O", "pin.P"], clearance = "c", contact = {contact} }}
+initial.pin = {{ x = 0, y = 0, angle = 0, vx = "v", vy = 0, omega = "spin" }}
+"""
+
+
+def slider_crank(contact):
+    """With play in the pin of the slider."""
+    return f"""
+format = 1
+parameters = {{ c = 5e-4, e = 0.8, mu = 0.1, l = 0.12, omega = 500.0, F = 20.0 }}
+ground.points.O = [0, 0]
+bodies.crank = {{ points = {{ O = [0, 0], A = [0.05, 0] }}, mass = 0.3, inertia = 1e-4 }}
+bodies.rod = {{ bar = ["A", "B"], length = "l", mass = 0.21, inertia = 2.5e-4 }}
+bodies.slider = {{ points = {{ B = [0, 0] }}, mass = 0.14, inertia = 1e-4 }}
+joints.O = {{ type = "revolute", connect = ["ground.O", "crank.O"] }}
+joints.A = {{ type = "revolute", connect = ["crank.A", "rod.A"] }}
+joints.B = {{ type = "revolute", connect = ["slider.B", "rod.B"], clearance = "c", contact = {contact} }}
+joints.guide = {{ type = "prismatic", connect = ["ground.O", "slider.B"], axis = 0 }}
+drivers.motor = {{ joint = "O", angle = "omega*t" }}
+loads.push = {{ type = "force", at = "slider.B", force = ["F", 0] }}
+initial.rod = {{ angle = 0 }}
+initial.slider = {{ x = "0.05 + l" }}
+initial.B = {{ offset = [0, 0] }}
+"""
+
+
+def slopes(m, outputs, parameters, t):
+    s = m.sensitivity(outputs, parameters, t, **FINE)
+    assert s.success, s.message
+    return {(of, to): s[f"d({of})/d({to})"] for of in outputs for to in parameters}
+
+
+# ---------------------------------------------------------------- closed forms
+def test_a_ball_that_bounces_has_the_slopes_of_its_closed_form():
+    e, t1 = 0.8, math.sqrt(2 / G)
+    of = ["ball.y", "ball.vy", "time(rail.contacts, 4)", "speed(rail.contacts, 4)"]
+    d = slopes(rt.loads(ball()), of, ["h", "e"], [0.0, 0.3, 0.7])
+    late = slopes(rt.loads(ball()), of[2:], ["h", "e"], [0.0, 2.5])
+    assert d["ball.y", "h"][1] == pytest.approx(1.0, abs=1e-9)
+    assert d["ball.y", "e"][2] == pytest.approx(G * t1 * (0.7 - t1), rel=ROUNDING)
+    assert d["ball.vy", "h"][2] == pytest.approx((1 + e) / t1, rel=ROUNDING)
+    assert np.isnan(d[of[2], "h"]).all()  # it does not come in this time
+    assert late[of[2], "h"][0] == pytest.approx((1 + 2 * (e + e**2 + e**3)) / (G * t1), rel=ROUNDING)
+    assert late[of[2], "e"][-1] == pytest.approx(2 * t1 * (1 + 2 * e + 3 * e**2), rel=ROUNDING)
+    assert late[of[3], "e"][0] == pytest.approx(3 * G * t1 * e**2, rel=ROUNDING)
+
+
+def test_a_ball_that_rests_no_longer_knows_from_where_it_fell_and_bears_its_weight():
+    lifted = 'loads.lift = { type = "force", at = "ball.C", force = [0, "lift"] }'
+    d = slopes(rt.loads(ball(e=0.5, more=lifted)), ["ball.y", "ball.vy", "rail.stop"], ["h", "lift"], [0.0, 3.0])
+    assert [d["ball.y", "h"][-1], d["ball.vy", "h"][-1], d["rail.stop", "h"][-1]] == pytest.approx([0, 0, 0], abs=1e-8)
+    assert abs(d["rail.stop", "lift"][-1]) == pytest.approx(1.0, rel=1e-6)
+
+
+def test_a_rested_ball_that_is_lifted_leaves_when_its_force_ends():
+    """From rest at t > 2 s on: up by a force that grows, F = G at t = 4 s; y = p (t - 4)^3/6."""
+    pull = 'loads.lift = { type = "force", at = "ball.C", force = [0, "(9.81 + lift)*t/4"] }'
+    d = slopes(rt.loads(ball(h=0.01, e=0.3, more=pull)), ["ball.y"], ["lift"], [0.0, 3.5, 5.0])
+    # y'' = (9.81 + q) t/4 - 9.81, leaves at t0 = 4 9.81/(9.81 + q); dy/dq = (t - t0)^2 (t + 2 t0)/24 + 0
+    assert d["ball.y", "lift"][1] == pytest.approx(0.0, abs=1e-9)
+    assert d["ball.y", "lift"][2] == pytest.approx((5.0 - 4.0) ** 2 * (5.0 + 8.0) / 24, rel=1e-5)
+
+
+def test_an_elastic_stop_gives_times_and_forces_of_a_spring():
+    m = rt.loads(ball(ELASTIC))
+    k, v = 1e5, math.sqrt(2 * G)
+    w = math.sqrt(k)
+    of = ["time(rail.contacts, 2)", "peak(rail.contacts, 1)"]
+    d = slopes(m, of, ["h", "k"], [0.0, 1.6])
+    lasts = 2 / w * (math.pi - math.atan(v * w / G))
+    by_w = -lasts / w - 2 / w * (v / G) / (1 + (v * w / G) ** 2)
+    by_v = -2 / G / (1 + (v * w / G) ** 2) + 2 / G
+    assert d[of[0], "h"][0] == pytest.approx(1 / v + by_v * G / v, rel=1e-6)
+    assert d[of[0], "k"][0] * k == pytest.approx(by_w * w / 2, rel=1e-5)
+    peak = math.sqrt(G * G + k * v * v)
+    assert d[of[1], "h"][0] == pytest.approx(k * G / peak, rel=1e-6)
+    assert d[of[1], "k"][0] == pytest.approx(v * v / 2 / peak, rel=1e-6)
+
+
+def bounced(spin, mu, c=1e-3, e=0.8, v=1.0):
+    """Spin after the first contact of the disc, and the instant of the second."""
+    arm = 0.01 - c
+    along = math.copysign(min(mu * (1 + e) * v, abs(spin * arm) / (1 + arm**2 / 1e-4)), -spin)
+    return spin + along * arm / 1e-4, c / v + 2 * c * e * v / ((e * v) ** 2 + along**2)
+
+
+@pytest.mark.parametrize(("spin", "mu"), [(40.0, 0.3), (300.0, 0.1), (-300.0, 0.1)])
+def test_a_disc_that_sticks_or_slips_at_an_impact(spin, mu):
+    of = ["pin.omega", "time(O.contacts, 2)"]
+    d = slopes(rt.loads(disc(spin, mu)), of, ["spin", "mu", "c", "e"], [0.0, 0.0015, 0.0034])
+    now = {"spin": spin, "mu": mu, "c": 1e-3, "e": 0.8}
+    for name, x in now.items():
+        ways = [bounced(**now | {name: x * (1 + s)}) for s in (1e-5, -1e-5)]
+        want = [(a - b) / (2e-5 * x) for a, b in zip(*ways, strict=True)]
+        assert d[of[0], name][1] == pytest.approx(want[0], rel=1e-5, abs=1e-6), name
+        assert d[of[1], name][0] == pytest.approx(want[1], rel=1e-5, abs=1e-12), name
+
+
+# ---------------------------------------------------------------- differences of runs
+PRESSED = 'stiffness = 6.6e9, exponent = 1.5, restitution = "e", bush_radius = 0.01'
+RUBS = 'friction = { model = "coulomb-smooth", mu = "mu", v1 = "0.1 m/s" }'
+LAWS = {  # contact, end [s]
+    "lankarani": (f'{{ model = "lankarani-nikravesh", {PRESSED} }}', 1.3e-3),
+    "smooth friction": (f'{{ model = "hunt-crossley", {PRESSED}, {RUBS} }}', 1.3e-3),
+    "linear, damped": ('{ model = "hertz", stiffness = 2e7, exponent = 1, damping = 60, bush_radius = 0.01 }', 1.3e-3),
+    "rigid": ('{ model = "impact", restitution = 0.5, bush_radius = 0.01 }', 6e-4),
+    "rigid, rubs": ('{ model = "impact", restitution = 0.5, friction = "mu", bush_radius = 0.01 }', 5.5e-4),
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_slopes_are_those_of_runs_beside_it(law):
+    contact, t_end = LAWS[law]
+    text = slider_crank(contact)
+    m, t = rt.loads(text), np.linspace(0.0, t_end, 7)
+    curves, contacts = ["rod.angle", "slider.x"], ["time(B.contacts, 2)", "speed(B.contacts, 2)"]
+    names = ["c", "l", "F", *(["mu"] if '"mu"' in text else []), *(["e"] if '"e"' in text else [])]
+    d = slopes(m, [*curves, *contacts], names, t)
+    for name in names:
+        step = (1e-2 if name == "F" else 1e-5) * m.parameters[name]  # a force of this size moves little
+        near = [m.set(**{name: m.parameters[name] + s}).simulate(t[-1], t_eval=t, **FINE) for s in (step, -step)]
+        for of in curves:
+            wanted = (near[0][of] - near[1][of]) / (2 * step)
+            assert d[of, name] == pytest.approx(wanted, abs=3e-4 * np.abs(wanted).max() + 1e-9), (of, name)
+        begun = [[e for e in r.events if e.kind in ("contact", "impact")][1] for r in near]
+        by_time, by_speed = ((getattr(begun[0], k) - getattr(begun[1], k)) / (2 * step) for k in ("t", "normal_speed"))
+        assert d[contacts[0], name][0] == pytest.approx(by_time, rel=1e-3, abs=1e-9), name
+        assert d[contacts[1], name][0] == pytest.approx(by_speed, rel=1e-3, abs=1e-4), name
+
+
+# ---------------------------------------------------------------- what is told
+def test_a_contact_that_grazes_is_told_and_has_no_slope():
+    spring = 'loads.s = { type = "spring", connect = ["ground.S", "ball.C"], stiffness = 100, free_length = 2.5 }'
+    m = rt.loads(ball(h=1.0, g=0.0, more=spring))
+    s = m.set(h=1 + 1e-8).sensitivity(["ball.y"], ["h"], [0.0, 0.5], **FINE)
+    assert any("contact 1 of rail grazes" in note for note in s.trust.notes)
+    assert np.isnan(s["d(ball.y)/d(h)"][-1])
+    s = m.set(h=1.2).sensitivity(["ball.y"], ["h"], [0.0, 0.5], **FINE)
+    assert not s.trust.notes
+    assert np.isfinite(s["d(ball.y)/d(h)"]).all()
+
+
+@pytest.mark.parametrize(
+    ("outputs", "words"),
+    [
+        (["count(rail.contacts)"], "has no derivative: it jumps"),
+        (["time(rail.contacts, 2) - time(rail.contacts, 1)"], "one contact at a time"),
+        (["peak(rail.contacts, 1)"], "they have impulses"),
+        (["time(rial.contacts, 1)"], "did you mean 'rail.contacts'"),
+    ],
+)
+def test_what_has_no_derivative_is_refused(outputs, words):
+    with pytest.raises((InputError, ModelError), match=words):
+        rt.loads(ball()).sensitivity(outputs, ["h"], [0.0, 1.0])
+
+
+def test_contacts_are_of_runs_in_time():
+    with pytest.raises(InputError, match="not in equilibrium"):
+        rt.loads(ball()).sensitivity(["time(rail.contacts, 1)"], ["h"], [0.0], "equilibrium")
+
+
+def test_what_derivatives_cannot_follow_says_so_and_why():
+    with pytest.raises(TraceError, match="contacts with oil"):
+        rt.example("slider_crank_oil").sensitivity(["slider.x"], ["c"], [0.0, 1e-3])
+    with pytest.raises(TraceError, match="the shape of the contacts in slot0 branches"):
+        rt.example("geneva").sensitivity(["wheel.angle"], ["r"], [0.0, 1e-3])
+    with pytest.raises(TraceError, match="derivatives with restitution_law"):
+        rt.loads(disc(law="poisson")).sensitivity(["pin.x"], ["c"], [0.0, 2e-3])
+    s = rt.loads(ball(h=0.0)).sensitivity(["ball.y"], ["e"], [0.0, 0.1])
+    assert "bodies touch in rail at the start already" in s.message
+
+
+def test_a_lasting_contact_with_friction_ends_the_answer_there():
+    contact = '{ model = "impact", restitution = 0.3, friction = 0.2, bush_radius = 0.01 }'
+    s = rt.loads(slider_crank(contact)).sensitivity(["slider.x"], ["c"], np.linspace(0, 2e-3, 21), rtol=1e-9)
+    assert not s.success
+    assert "comes to rest on its rigid contact with friction" in s.message
+    assert len(s.t) > 3
