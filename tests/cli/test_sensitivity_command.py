@@ -89,7 +89,7 @@ def test_a_result_that_cannot_be_saved_goes_to_the_fallback_folder(tmp_path, mon
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("slider_crank_play --of slider.x --to c", "contacts begin and end"),
+        ("slider_crank_oil --of slider.x --to c", "contacts with oil"),
         ("fourbar --of rocker.angel --to r3", "did you mean 'rocker.angle'"),
         ("fourbar --of rocker.angle --to r33", "no parameter 'r33'; did you mean 'r3'"),
         ("fourbar --of rocker.angle --to r3 --t-end 0", "--t-end must be positive"),

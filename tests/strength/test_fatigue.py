@@ -8,6 +8,7 @@ import pytest
 
 import rattle as rt
 from bars import IRON, beam
+from rattle.errors import InputError
 from rattle.questions.strength.fatigue import Endurance, damage
 
 EXAMPLE = [-2, 1, -3, 5, -1, 3, -4, 4, -2]  # of ASTM E1049-85
@@ -175,3 +176,9 @@ def test_steel_alone_has_neither_safety_nor_life():
     assert math.isnan(s.safety)
     assert math.isnan(s.life)
     assert s.peak > 0.0
+
+
+@pytest.mark.parametrize("series", ["abc", [1, "2 MPa"], {"a": 1}, iter([1, 2, 1]), np.array([1 + 2j, 2]), [1, np.nan]])
+def test_what_is_no_history_is_refused_in_words(series):
+    with pytest.raises(InputError, match="list of finite numbers"):
+        rt.rainflow(series)

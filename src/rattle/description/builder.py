@@ -117,7 +117,7 @@ class Building:
         thickness [m] and density [kg/m^3], or mass [kg].  holes: corners of each hole [m]; points: named points [m];
         all in one frame fixed to the body.
         """
-        keys = {"polygon": plain(polygon), "holes": plain(holes) or None, "points": plain(points), **more}
+        keys = {"polygon": plain(polygon), "holes": plain(holes) or None, "points": plain(points), **plain(more)}
         return self._enter("bodies", name, {**keys, "thickness": thickness, "density": density, "mass": mass})
 
     def body(

@@ -24,83 +24,121 @@ class CutFault(ValueError):
     """Why a plate cannot be cut so, in words."""
 
 
-class _Halves(NamedTuple):
-    """A ring that is divided: from where to where along the cut, and the corners of both parts."""
+class _Crossings(NamedTuple):
+    """Where the line of a cut crosses a ring: numbers of edges, places along the cut, and points."""
 
-    start: float
-    end: float
-    left: Array
-    right: Array
+    edges: NDArray[np.int64]
+    places: Array
+    points: Array
+
+
+Spans = list[tuple[float, float]]  # from where to where along a cut [m]
 
 
 class Cut:
     """A plate cut from one end to another; rings: of its outline and of each hole [m]; ends [m].
 
-    pieces: from where to where it runs through material, along it from the first end [m].  left, right: area, centre
-    and second moment of both parts [m^2, m, m^4].  crossed: rings of the holes that it goes through.
+    pieces: from where to where it runs through material, on both sides of it, along it from the first end [m].  left,
+    right: area, centre and second moment of both parts [m^2, m, m^4].  crossed: rings of the holes that it halves.
     Raises CutFault unless it divides the plate in two.
     """
 
     def __init__(self, rings: Sequence[Sequence[Vector]], ends: tuple[Vector, Vector]) -> None:
-        outline, *holes = (_numbers(ring) for ring in rings)
+        outline, *holes = self._all = [_numbers(ring) for ring in rings]
         self.first, second = _numbers(ends)
         self._size = float(np.ptp(outline, axis=0).max())
         self._length = float(np.hypot(*(second - self.first)))
         if not self._length > ROUNDING * self._size:
             raise CutFault("both ends are at one place")
         self.along = (second - self.first) / self._length
-        whole = self._halves(outline, "the edge of the plate")
-        if whole is None:
-            raise CutFault("does not meet the plate; expected two points on or beyond its edge, material between them")
-        self._rings = whole.left, whole.right
-        inside: tuple[list[Array], list[Array]] = [], []
-        gaps = list[float]()
-        self.crossed = list[Array]()
-        for number, hole in enumerate(holes, 1):
-            halves = self._halves(hole, f"hole {number}")
-            if halves is None:
-                far = hole[np.argmax(np.abs(self._aside(hole)))]
-                inside[0 if is_inside(whole.left, far) else 1].append(hole)
-                continue
-            self.crossed.append(hole)
-            gaps += [halves.start, halves.end]
-            inside[0].append(halves.left)
-            inside[1].append(halves.right)
-        if min(_width(self._aside(ring)) for ring in self._rings) <= ROUNDING * self._size:
-            raise CutFault("runs along an edge; expected material on both sides")
-        edges = sorted([whole.start, *gaps, whole.end])
-        self.pieces = list(zip(edges[::2], edges[1::2], strict=True))
-        self.left, self.right = (_figure(ring, within) for ring, within in zip(self._rings, inside, strict=True))
+        through = _common(self._material(True), self._material(False))
+        self.pieces = [span for span in through if self._within(span)]
+        # corners on the line count as left or as right: as if it ran a little beside them
+        ways = {on_left: self._spans(outline, on_left) for on_left in (True, False)}
+        chosen = [(on_left, span) for on_left, spans in ways.items() for span in spans if self._within(span)]
+        if not chosen or not self.pieces:
+            raise CutFault(self._why_not(through))
+        on_left, _ = chosen[0]
+        if (met := sum(way == on_left for way, _ in chosen)) > 1:
+            raise CutFault(f"goes through the plate {met} times, expected once: it must part it in two")
+        start, end = chosen[0][1]
+        self.pieces = [(a, b) for a, b in self.pieces if a >= start and b <= end]
+        self._divide(outline, holes, on_left, (start, end))
 
     def _aside(self, points: Array) -> Array:
         """How far points (..., 2) are to the left [m]."""
         to = points - self.first
         return np.asarray(self.along[0] * to[..., 1] - self.along[1] * to[..., 0])
 
-    def _halves(self, ring: Array, what: str) -> _Halves | None:
-        """Both parts of a ring; None if the cut does not meet it.  Raises CutFault; what: is cut."""
-        aside = self._aside(ring)
-        left = aside >= -ROUNDING * self._size  # corners on the cut count as left
-        crossed = np.flatnonzero(left != np.roll(left, -1))
-        share = aside[crossed] / (aside[crossed] - np.roll(aside, -1)[crossed])
-        share = np.clip(share, 0.0, 1.0)[:, None]
-        at = (1.0 - share) * ring[crossed] + share * np.roll(ring, -1, axis=0)[crossed]
-        place = (at - self.first) @ self.along
-        near = (place >= -ROUNDING * self._size) & (place <= self._length + ROUNDING * self._size)
-        if not near.any():
+    def _within(self, span: tuple[float, float]) -> bool:
+        near = ROUNDING * self._size
+        return span[0] >= -near and span[1] <= self._length + near
+
+    def _is_left(self, ring: Array, on_left: bool) -> NDArray[np.bool_]:
+        near = ROUNDING * self._size
+        return self._aside(ring) >= (-near if on_left else near)
+
+    def _crossings(self, ring: Array, on_left: bool) -> _Crossings:
+        """Where the line crosses a ring, corners on it counting as left or as right, in order along it."""
+        aside, left = self._aside(ring), self._is_left(ring, on_left)
+        edges = np.flatnonzero(left != np.roll(left, -1))
+        share = np.clip(aside[edges] / (aside[edges] - np.roll(aside, -1)[edges]), 0.0, 1.0)[:, None]
+        points = (1.0 - share) * ring[edges] + share * np.roll(ring, -1, axis=0)[edges]
+        places = (points - self.first) @ self.along
+        order = np.argsort(places, kind="stable")
+        return _Crossings(edges[order], places[order], points[order])
+
+    def _spans(self, ring: Array, on_left: bool) -> Spans:
+        """Where the line is inside of a ring."""
+        places = self._crossings(ring, on_left).places.tolist()
+        return list(zip(places[::2], places[1::2], strict=True))
+
+    def _material(self, on_left: bool) -> Spans:
+        """Where the line is in material."""
+        places = sorted(x for ring in self._all for span in self._spans(ring, on_left) for x in span)
+        return list(zip(places[::2], places[1::2], strict=True))
+
+    def _why_not(self, through: Spans) -> str:
+        near = ROUNDING * self._size
+        if any(min(b, self._length) - max(a, 0.0) > near for a, b in through):
+            return "one of its ends is in the material, or in a hole: put both on or beyond the edge of the plate"
+        return "does not meet the plate: expected two points on or beyond its edge, with material on both sides between"
+
+    def _divide(self, outline: Array, holes: Sequence[Array], on_left: bool, span: tuple[float, float]) -> None:
+        """Both parts of the plate."""
+        halves = self._halves(outline, on_left, span)
+        assert halves is not None, "its span ends where the outline is crossed"
+        self._rings = halves
+        inside: tuple[list[Array], list[Array]] = [], []
+        self.crossed = list[Array]()
+        for number, hole in enumerate(holes, 1):
+            crossed = [x for x in self._crossings(hole, on_left).places.tolist() if span[0] <= x <= span[1]]
+            if len(crossed) > 2:
+                raise CutFault(f"meets hole {number} {len(crossed)} times, expected 2")
+            parts = self._halves(hole, on_left, (crossed[0], crossed[1])) if crossed else None
+            if parts is None:
+                far = hole[np.argmax(np.abs(self._aside(hole)))]
+                inside[0 if is_inside(halves[0], far) else 1].append(hole)
+                continue
+            self.crossed.append(hole)
+            for side, part in zip(inside, parts, strict=True):
+                if _width(self._aside(part)) > ROUNDING * self._size:
+                    side.append(part)
+        self.left, self.right = (_figure(ring, within) for ring, within in zip(self._rings, inside, strict=True))
+
+    def _halves(self, ring: Array, on_left: bool, span: tuple[float, float]) -> tuple[Array, Array] | None:
+        """Corners of the left and of the right part of a ring that is crossed at both ends of a span; None if it is not
+
+        crossed there.
+        """
+        edges, places, points = self._crossings(ring, on_left)
+        start, end = (int(np.argmin(np.abs(places - x))) for x in span)
+        if start == end:  # two crossings at one place
             return None
-        if (met := int(near.sum())) != 2:
-            ends = (
-                "; one of its ends is in the material or in a hole: put both on or beyond the edge" if met == 1 else ""
-            )
-            raise CutFault(f"meets {what} {met} time{'s' * (met != 1)}, expected 2{ends}")
-        (a, b), (first, second) = crossed[near], at[near]
-        one = np.vstack([first, ring[a + 1 : b + 1], second])
-        other = np.vstack([second, ring[b + 1 :], ring[: a + 1], first])
-        start, end = sorted(place[near])
-        if end - start <= ROUNDING * self._size:
-            return None
-        return _Halves(start, end, *((one, other) if left[a + 1] else (other, one)))
+        (a, first), (b, second) = sorted([(int(edges[n]), n) for n in (start, end)])
+        one = np.vstack([points[first], ring[a + 1 : b + 1], points[second]])
+        other = np.vstack([points[second], ring[b + 1 :], ring[: a + 1], points[first]])
+        return (one, other) if self._is_left(ring, on_left)[a + 1] else (other, one)
 
     def is_left(self, points: Array, forces: Array) -> NDArray[np.bool_]:
         """Whether forces (n, 2) at points (n, 2) act on the left part.
@@ -125,6 +163,12 @@ def _figure(ring: Array, holes: Sequence[Array]) -> Figure:
 
 def _width(values: Array) -> float:
     return float(np.ptp(values))
+
+
+def _common(one: Spans, other: Spans) -> Spans:
+    """Where both are."""
+    shared = [(max(a, c), min(b, d)) for a, b in one for c, d in other]
+    return sorted(span for span in shared if span[1] > span[0])
 
 
 def _numbers(points: Sequence[Vector]) -> Array:

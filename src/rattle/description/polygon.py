@@ -135,6 +135,20 @@ def watch(rings: Sequence[Ring]) -> None:
             _ = (p + abs(p)) + (q + abs(q)) > 0.0  # one of the two is positive: this is kept
 
 
+def watch_sides(ends: tuple[Vector, Vector], rings: Sequence[Ring]) -> None:
+    """Let a record of a cut keep on which side of it every corner is, and of every edge both of its ends."""
+    for ring in rings:
+        for start, end in itertools.pairwise((*ring, ring[0])):
+            numbers = [x for point in (*ends, start, end) for x in point]
+            if not any(isinstance(x, Recorded) for x in numbers):
+                continue
+            least = CLOSE * max(abs(bare(x)) for x in numbers) ** 2
+            sides = _side(*ends, start), _side(start, end, ends[0]), _side(start, end, ends[1])
+            for side in sides:
+                if abs(bare(side)) > least:
+                    _ = side > 0.0  # this is kept
+
+
 def _side(a: Vector, b: Vector, c: Vector) -> float:
     """On which side of the line through a and b the point c is: twice a signed area [m^2]."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from rattle.description.cuts import Cut, CutFault
 from rattle.description.model import Body, Sheet, Vector
-from rattle.description.polygon import MOST_CORNERS, fault_of_holes, figure_of, watch
+from rattle.description.polygon import MOST_CORNERS, fault_of_holes, figure_of, watch, watch_sides
 from rattle.description.read_fields import FieldReader
 from rattle.description.read_materials import material_named
 from rattle.description.read_values import Values, is_computable
@@ -66,6 +66,8 @@ def _require_cut(
             Cut(rings, (first, second))
         except CutFault as fault:
             values.wrong((*path, "necks", name), str(fault))
+        else:
+            watch_sides((first, second), rings)
 
 
 def _states_its_own(values: Values, table: Table, path: Path) -> bool:

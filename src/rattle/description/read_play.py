@@ -146,7 +146,7 @@ def read_play(reader: FieldReader, joint: str, table: Table, kind: str, may: boo
     clearance = cold.clearance + _by_heat(reader, written, read, _radius(cold.radius, reader, table, path), here)
     if not clearance >= 0.0 or (not clearance > 0.0 and "temperature" in written):
         values.wrong(here, _closed(read, bare(clearance)))
-        return Play(math.nan)
+        return cold._replace(clearance=math.nan)
     return cold._replace(clearance=clearance)
 
 

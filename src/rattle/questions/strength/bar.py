@@ -18,6 +18,7 @@ from rattle.questions.strength.answer import BUCKLING, Array, Strength, in_digit
 from rattle.questions.strength.known_motion import KnownMotion
 from rattle.questions.strength.section_forces import LoadedBar
 from rattle.results.display import quantity
+from rattle.wrong_arguments import answers_in_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,6 +31,7 @@ FEW_PERIODS = 2.0  # of the first bending vibration: a contact that is shorter m
 NOT_COMPUTED = "buckling is that in the plane between pinned ends; out of the plane and with other ends: not computed"
 
 
+@answers_in_words
 class Bar(Strength):
     """What a bar bears; see `Strength`."""
 

@@ -49,9 +49,10 @@ def rainflow(series: ArrayLike, repeat: bool = False) -> list[Cycle]:
 
     Source: ASTM E1049-85 (2017), 5.4.4; with repeat 5.4.5.
     """
-    values = np.asarray(series, dtype=float)
-    if values.ndim != 1 or not np.isfinite(values).all():
-        raise InputError("a history to be counted has one dimension and finite values")
+    values = np.asarray(series)
+    if values.ndim != 1 or values.dtype.kind not in "iufb" or not np.isfinite(values).all():
+        raise InputError("a history to be counted is a list of finite numbers, in one dimension")
+    values = values.astype(float)
     if repeat and len(values):
         first = int(np.abs(values).argmax())
         values = np.concatenate([values[first:], values[: first + 1]])

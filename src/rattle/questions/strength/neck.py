@@ -14,6 +14,7 @@ from rattle.questions.strength.answer import Array, Strength
 from rattle.questions.strength.known_motion import KnownMotion
 from rattle.questions.strength.neck_forces import CutSection, forces_in, section_of
 from rattle.results.display import quantity
+from rattle.wrong_arguments import answers_in_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,8 +25,9 @@ DRAWN = 61  # points of a piece in a picture
 NOMINAL = "nominal stress over the cut; what corners, holes and where loads enter add there is not computed"
 
 
+@answers_in_words
 class Neck(Strength):
-    """What a neck of a plate bears; see `Strength`.  y along the cut from its first end, x to its right."""
+    """What a neck of a plate bears; see `Strength`.  y along the cut from its first edge, x to its right."""
 
     _at = "y"
 
@@ -45,15 +47,15 @@ class Neck(Strength):
         )
 
     def at(self, y: float) -> Array:
-        """Stress (n,) [Pa] so far along the cut from its first end [m]."""
-        bend = self.moment[:, 0] * (y - self.section.centre) / self.section.inertia
+        """Stress (n,) [Pa] so far along the cut from its first edge of material [m]."""
+        bend = self.moment[:, 0] * (y - self.x[0]) / self.section.inertia
         return np.asarray(self.normal[:, 0] / self.section.area - bend)
 
     @cached_property
     def fibres(self) -> tuple[Array, Array]:
         """Stresses (n, 1) [Pa] at the second end of the cut and at the first."""
         first, second = self.section.edges
-        return self.at(second)[:, None], self.at(first)[:, None]
+        return self.at(second - first)[:, None], self.at(0.0)[:, None]
 
     @cached_property
     def extreme(self) -> tuple[float, float, float]:
@@ -70,8 +72,9 @@ class Neck(Strength):
         if self._doubt is not None:
             force, moment = self._doubt
             yield (
-                "mass, center and inertia of the plate are given, and where its mass lies is not: forces in the neck"
-                f" may be off by {quantity(force, 'N')} and {quantity(moment, 'N*m')}"
+                "mass, center and inertia of the plate are given, and where its mass lies is not: weight and inertia of"
+                " both sides are taken as those of the polygon, by which forces in the neck differ by"
+                f" {quantity(2 * force, 'N')} and {quantity(2 * moment, 'N*m')} between its sides"
             )
 
     def told(self) -> list[tuple[str, str]]:
@@ -93,5 +96,5 @@ class Neck(Strength):
 
         places = [np.linspace(*piece, DRAWN) for piece in self.section.pieces]
         along = np.concatenate([np.append(piece, math.nan) for piece in places])[:-1]
-        stress = np.column_stack([self.at(y) for y in along])
+        stress = np.column_stack([self.at(y - self.section.edges[0]) for y in along])
         return Drawn(self.body, self.cut.first + along[:, None] * self.cut.along, stress, None)

@@ -308,4 +308,7 @@ def _room(t: Linear, name: str) -> float:
     """The greatest tolerance of a parameter [SI]: to its limits in the model, else all of its nominal value."""
     parameter = t.trials.task.mechanism.model.parameters[name]
     ends = [abs(limit - parameter.value) for limit in (parameter.minimum, parameter.maximum) if limit is not None]
-    return min(ends, default=math.inf if parameter.deviates else abs(parameter.value) or math.inf)
+    if parameter.deviates:  # a diameter of a fit, or the play of a bearing: at most until no play is left
+        joint, _, what = name.rpartition(".")
+        ends.append((1.0 if what == "play" else 2.0) * t.trials.task.mechanism.model.joints[joint].clearance)
+    return min(ends, default=abs(parameter.value) or math.inf)
