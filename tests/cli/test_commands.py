@@ -236,6 +236,7 @@ def test_export_writes_every_number_with_its_unit_and_all_digits(saved, tmp_path
 
 
 # ---------------------------------------------------------------- demo, warmup
+@pytest.mark.long
 def test_demo_shows_what_play_does_to_the_forces_of_the_paper(tmp_path):
     done = run("-q", "demo", "--paper", "-o", tmp_path / "pictures")
     assert done.exit_code == 0, done.output

@@ -47,6 +47,7 @@ def pieces(damping, stiffness=500.0, free=0.5):
 
 @pytest.mark.parametrize("method", ["dop853", "radau", "rk4", "event", "moreau"])
 @pytest.mark.parametrize("damping", [0.0, 20.0, 100.0])
+@pytest.mark.machine
 def test_cord_pulls_and_lets_go_as_two_smooth_motions_put_together(damping, method):
     """With steps of 1 ms too, errors are those of a smooth motion: both switches are steps' ends."""
     depth, instants = pieces(damping)

@@ -97,6 +97,7 @@ def test_a_force_may_end_and_return_inside_the_wall(exponent: float, method: str
     assert np.abs(r["energy.balance"]).max() < 1e-7
 
 
+@pytest.mark.machine
 def test_beside_a_rigid_contact_and_by_moreau() -> None:
     """An impact elsewhere makes the run event-driven, or a series of steps that converges to it."""
     rigid = """

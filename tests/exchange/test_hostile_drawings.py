@@ -134,7 +134,12 @@ REFUSED = {  # the others are read
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", HUGE)
+LASTING = ("a million bulges",)  # 10 s of reading
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.long) if name in LASTING else name for name in HUGE]
+)
 def test_huge_drawings_take_no_longer(name):
     text = HUGE[name]()
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

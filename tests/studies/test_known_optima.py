@@ -226,6 +226,7 @@ def test_equations_stand_between_outputs(text, words):
         optimum("x1 + x2", [(0, 5)] * 2, [text], (1, 2))
 
 
+@pytest.mark.long
 def test_a_damper_at_the_bound_of_a_constraint_is_a_success():
     """The integral of x^2 of x'' + c x' + k x = 0 from x = 1 is 1/(2 c) + c/(2 k), least at c = sqrt(k)."""
     text = """
@@ -287,6 +288,7 @@ def test_problem_72_over_six_decades():
     assert found.value == pytest.approx(727.67937, rel=1e-5)
 
 
+@pytest.mark.long
 def test_a_check_that_misses_a_constraint_confirms_nothing():
     """The spike of y is narrower than the outputs: finer ones, as the check has, see it."""
     m = formula("x1*exp(-((t - 0.50125)/4e-4)**2)", [0.5]).signal("z", "-x1")
