@@ -163,7 +163,7 @@ class ContactMotion(Motion):
     def _accept(self, step: Step, t_new: float, z: np.ndarray, rates: Rates) -> bool:
         before, after = self._seen, self._look(t_new, z, rates)
         hit = self._hit(before, after)
-        late = self._late(hit, before, after) if len(hit) else 0.0
+        late = max((self._overshoot(n, after) for n in hit), default=0.0)  # [s]
         landed = late <= BESIDE * TOO_SHORT * self.t_end
         if len(hit) and not landed:
             self._land(hit, before, after, t_new - self.t)
@@ -190,15 +190,16 @@ class ContactMotion(Motion):
         pulls = touching.shut & by_force & (after.normal < 0.0) & (after.normal_in_time < 0.0)
         return np.flatnonzero(begins | opens | pulls)
 
-    def _late(self, hit: np.ndarray, before: Watched, after: Watched) -> float:
-        """By how much the end of a step is beyond the first of these contacts [s]."""
-        return float(max(self._overshoot(n, after) for n in hit))
+    def _ends_by_force(self, n: int) -> bool:
+        """Whether what contact n waits for is the end of its force, not that of its gap."""
+        return bool(self.touching.shut[n] and self.touching.are.by_force[n])
 
     def _overshoot(self, n: int, after: Watched) -> float:
-        value, rate = (after.gap[n], after.rate[n])
-        if self.touching.shut[n] and self.touching.are.by_force[n]:
+        """By how much the end of a step is beyond the begin or the end of a contact [s]."""
+        value, rate = after.gap[n], after.rate[n]
+        if self._ends_by_force(n):
             value, rate = after.normal[n], after.normal_in_time[n]
-        return abs(value / rate) if rate != 0.0 else 0.0
+        return float(abs(value / rate)) if rate != 0.0 else 0.0
 
     def _land(self, hit: np.ndarray, before: Watched, after: Watched, h: float) -> None:
         """Try a step that ends at the first of these contacts."""
@@ -213,7 +214,7 @@ class ContactMotion(Motion):
 
     def _share(self, n: int, before: Watched, after: Watched, h: float) -> float:
         """Where in a step the gap, or the force, is zero: on the cubic through both ends."""
-        if self.touching.shut[n] and self.touching.are.by_force[n]:
+        if self._ends_by_force(n):
             ends = before.normal[n], before.normal_in_time[n], after.normal[n], after.normal_in_time[n]
         else:
             ends = before.gap[n], before.rate[n], after.gap[n], after.rate[n]
@@ -259,10 +260,11 @@ class ContactMotion(Motion):
             return
         (n,) = hit.tolist()
         seen, before = self._seen, self._rates.values
-        shut, by_force = self.touching.shut[n], self.touching.are.by_force[n] and self.touching.shut[n]
-        by, rate = (seen.by_normal, seen.normal_in_time) if by_force else (seen.by_gap, seen.rate)
+        by, rate = seen.by_gap, seen.rate
+        if self._ends_by_force(n):
+            by, rate = seen.by_normal, seen.normal_in_time
         shift = -by[n] / rate[n] if rate[n] != 0.0 else np.full(before.shape[1] - 1, math.nan)
-        if shut:
+        if self.touching.shut[n]:
             self._end(n, shift)
         else:
             self._start(n, shift)
