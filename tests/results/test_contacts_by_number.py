@@ -56,6 +56,15 @@ def test_a_ball_hits_a_rigid_stop_as_the_closed_form_says():
         assert found[f"speed(rail.{word}, 4)"] == pytest.approx(G * first * e**3, rel=1e-9)
 
 
+def test_a_ball_that_stays_has_hit_once():
+    """That it rests from then on is no contact more."""
+    found = asked(
+        rt.loads(BALL.format(contact=RIGID)), ["count(rail.contacts)", "time(rail.contacts, 2)"], 1.0, e=[0.0]
+    )
+    assert found["count(rail.contacts)"][0] == 1
+    assert np.isnan(found["time(rail.contacts, 2)"][0])
+
+
 def test_the_largest_force_on_an_elastic_stop_is_that_of_a_spring():
     m = rt.loads(BALL.format(contact='{ model = "hertz", stiffness = "k", exponent = 1 }'))
     k = np.array([1e5, 1e6])

@@ -29,6 +29,7 @@ from rattle.results.reductions import (
     Output,
     Reduction,
     argument,
+    meetings,
 )
 from rattle.results.result import Result
 from rattle.results.sampled_curve import SampledCurve
@@ -245,7 +246,9 @@ def _of_events(part: Reduction, result: Result) -> float:
     mine = [event for event in result.events if event.joint == joint]
     if part.kind == HARDEST:
         return max((event.impulse for event in mine if event.kind == "impact"), default=0.0)
-    asked = [event for event in mine if event.kind in EVENTS[events]]
+    meeting = meetings(result.geometry).get(joint)
+    kinds = set(EVENTS[events]) - ({"contact"} if meeting is not None and not meeting.lasting else set())
+    asked = [event for event in mine if event.kind in kinds]
     if part.kind == "count":
         return float(len(asked))
     contact = next(itertools.islice(asked, part.number - 1, None), None)

@@ -99,6 +99,9 @@ class Meeting(NamedTuple):
     rigid: bool  # they have impulses, no largest force
     turns: bool  # their speeds are those of an angle
     straight: bool = False  # their speeds are those of a way, or of both
+    lasting: bool = (
+        True  # some have force laws: they begin where they touch; rigid ones that stay shut begin by impacts
+    )
 
     @property
     def speed(self) -> str:
@@ -406,7 +409,8 @@ def _meeting(form: Mapping[str, Any]) -> Meeting | None:
     if not stop and not clutch and not loose:
         return None
     turns = clutch or (bool(stop) and form.get("coordinate") == "angle")
-    return Meeting(bool(form.get("rigid") or form.get("rigid_stop")), turns, loose or (bool(stop) and not turns))
+    rigid = ([bool(form.get("rigid"))] if loose else []) + ([bool(form.get("rigid_stop"))] if stop else [])
+    return Meeting(any(rigid), turns, loose or (bool(stop) and not turns), not rigid or not all(rigid))
 
 
 def _spots(node: Node) -> list[tuple[str, int]]:

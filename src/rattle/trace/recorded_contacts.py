@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.equations import compliant, motion
-from rattle.equations.state import IMPULSE, LOSS, account_at
+from rattle.equations.state import IMPULSE, LOSS, WORK, account_at, energies_at
 from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.jit import families
@@ -102,7 +102,7 @@ class RecordedContacts:
         copies.replace(families.call_normal, _positive_force)
         self._copies = copies
         copies.replace(compliant.measure.python, self._said(copies.of(compliant.measure.python), "the shape"))
-        laws = self._said(copies.of(compliant.add_force_of_laws.python), "a law")
+        laws = self._said(copies.of(compliant.add_force_of_laws.python), "the law of force or friction")
 
         def add(m: SimpleNamespace) -> None:
             kinematics = m.contact_kinematics
@@ -161,51 +161,60 @@ class RecordedContacts:
         return {n: self._impact(m, y, n) for n in np.flatnonzero(self.rigid).tolist()}
 
     def _impact(self, m: SimpleNamespace, y: np.ndarray, n: int) -> list[Impact]:
-        copies = self._copies
         p = self.table[n, at.NORMAL_P]
         e, e_t, mu, law = (
             m.values[p + k] for k in (at.RESTITUTION, at.TANGENTIAL_RESTITUTION, at.MU, at.RESTITUTION_LAW)
         )
         rate, slip = m.contact_kinematics[n, at.DGAP], m.contact_kinematics[n, at.SLIP]
-        push, away, _ = _response(m, copies, n, 1.0, 0.0)
+        push, away, _ = _response(m, self._copies, n, 1.0, 0.0)
         g_nn, b_n = _power(push, away), -(1.0 + e) * rate
-        if self.lasts[n]:
+        if self.lasts[n]:  # with its restitution, and without
             ways = []
             for normal in (b_n / g_nn, -rate / g_nn):
-                ways.append(Impact(self._after(m, y, n, normal, [(away, normal)]), normal >= 0.0))
-            return ways  # with its restitution, and without
+                work = normal * (rate + 0.5 * g_nn * normal)
+                ways.append(Impact(self._after(m, y, n, normal, [(away, normal)], work), normal >= 0.0))
+            return ways
         if isinstance(law, Symbol) or law != NEWTON:
             raise TraceError(
                 f'impacts with friction (joint {self.joints[n]}) have derivatives with restitution_law = "newton" only'
             )
-        pull, along, _ = _response(m, copies, n, 0.0, -1.0)  # along the slip of B
+        pull, along, _ = _response(m, self._copies, n, 0.0, -1.0)  # along the slip of B
         g_nt, g_tt, b_t = _power(push, along), _power(pull, along), -(1.0 + e_t) * slip
         det = g_nn * g_tt - g_nt * g_nt
+
+        def way(normal: Operand, tangent: Operand, *conditions: Flag) -> Impact:
+            work = normal * (rate + 0.5 * (g_nn * normal + g_nt * tangent))
+            work = work + tangent * (slip + 0.5 * (g_nt * normal + g_tt * tangent))
+            state = self._after(m, y, n, normal, [(away, normal), (along, tangent)], work)
+            return Impact(state, both(self.graph, [normal >= 0.0, *conditions]))
+
         normal, tangent = (g_tt * b_n - g_nt * b_t) / det, (g_nn * b_t - g_nt * b_n) / det
-        sticks = both(self.graph, [normal >= 0.0, abs(tangent) <= mu * normal])
-        ways = [Impact(self._after(m, y, n, normal, [(away, normal), (along, tangent)]), sticks)]
+        ways = [way(normal, tangent, abs(tangent) <= mu * normal)]
         for sense in (1.0, -1.0):
             normal = b_n / (g_nn - sense * mu * g_nt)
             tangent = -sense * mu * normal
-            later = slip + g_nt * normal + g_tt * tangent
-            slips = both(self.graph, [normal >= 0.0, sense * later >= 0.0])
-            ways.append(Impact(self._after(m, y, n, normal, [(away, normal), (along, tangent)]), slips))
+            ways.append(way(normal, tangent, sense * (slip + g_nt * normal + g_tt * tangent) >= 0.0))
         return ways
 
     def _after(
-        self, m: SimpleNamespace, y: np.ndarray, n: int, normal: Operand, parts: list[tuple[np.ndarray, Operand]]
-    ) -> list[Operand]:
-        """y after impulses with these responses; the energy that is lost, and the impulse, go to the accounts."""
-        state, nq, lost = list(y), m.change.shape[0], 0.0
+        self, m: SimpleNamespace, y: np.ndarray, n: int, normal: Operand, parts: list[tuple[np.ndarray, Operand]],
+        work: Operand,
+    ) -> list[Operand]:  # fmt: skip
+        """y after impulses with these responses, which do so much work on the motion; what else its energy gains is
+        work of drivers.
+        """
+        state, nq, gained = list(y), m.change.shape[0], 0.0
         for i in range(1, m.mass.shape[0]):
             for k in range(3):
                 place = nq + 3 * i - 3 + k
                 for response, impulse in parts:
                     state[place] = state[place] + response[i, k] * impulse
-                lost = lost + 0.5 * m.mass[i, k] * (y[place] * y[place] - state[place] * state[place])
+                gained = gained + 0.5 * m.mass[i, k] * (state[place] * state[place] - y[place] * y[place])
         account = self._copies.of(account_at.python)(m, n)
-        state[account + LOSS] = state[account + LOSS] + lost
+        driven = self._copies.of(energies_at.python)(m) + WORK
+        state[account + LOSS] = state[account + LOSS] - work
         state[account + IMPULSE] = state[account + IMPULSE] + normal
+        state[driven] = state[driven] + gained - work
         return state
 
 

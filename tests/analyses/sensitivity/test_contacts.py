@@ -172,7 +172,87 @@ def test_slopes_are_those_of_runs_beside_it(law):
         assert d[contacts[1], name][0] == pytest.approx(by_speed, rel=1e-3, abs=1e-4), name
 
 
+def differences(m, name, of, t, step=1e-5):
+    """Central differences of curves at instants."""
+    step *= abs(m.parameters[name]) or 1.0
+    near = [m.set(**{name: m.parameters[name] + s}).simulate(t[-1], t_eval=t, **FINE) for s in (step, -step)]
+    return {curve: (near[0][curve] - near[1][curve]) / (2 * step) for curve in of}
+
+
+ENERGIES = ["energy.dissipated", "energy.potential", "energy.work", "energy.kinetic"]
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "t"),
+    [
+        (ball('{ model = "hertz", stiffness = "k", exponent = 1, damping = 60 }'), "h", [0.0, 0.3, 0.47, 0.8]),
+        (slider_crank(LAWS["linear, damped"][0]), "c", [0.0, 2e-4, 6e-4, 9e-4]),
+        (slider_crank(LAWS["rigid, rubs"][0]), "c", [0.0, 2e-4, 3.5e-4, 5e-4]),
+        (slider_crank(LAWS["rigid"][0]), "l", [0.0, 2e-4, 3.5e-4, 5e-4]),
+    ],
+)
+def test_energies_go_where_those_of_a_run_go(text, name, t):
+    """Of a damped contact what is stored when its force ends is lost; drivers do work in impacts."""
+    m = rt.loads(text)
+    s, r = m.sensitivity(ENERGIES, [name], t, **FINE), m.simulate(t[-1], t_eval=t, **FINE)
+    assert s.success, s.message
+    wanted = differences(m, name, ENERGIES, t)
+    size = max(np.abs(x).max() for x in wanted.values())
+    for of in ENERGIES:
+        assert s[of] == pytest.approx(r[of], abs=1e-6 * max(1.0, np.abs(r[of]).max())), of
+        assert s[f"d({of})/d({name})"] == pytest.approx(wanted[of], abs=3e-4 * size), of
+
+
+def test_a_force_that_is_largest_at_once_moves_with_the_begin():
+    m = rt.loads(ball('{ model = "hertz", stiffness = "k", exponent = 1, damping = 1500 }'))
+    d = slopes(m, ["peak(rail.contacts, 1)"], ["h", "k"], [0.0, 0.5])
+    v = math.sqrt(2 * G)
+    assert d["peak(rail.contacts, 1)", "h"][0] == pytest.approx(1500 * G / v, rel=1e-4)
+    assert d["peak(rail.contacts, 1)", "k"][0] == pytest.approx(0.0, abs=1e-5)
+
+
+def test_between_two_stops_no_contact_is_lost():
+    text = ball().replace("min = 0,", "min = 0, max = 1.2,").replace("vy = 0", "vy = 3")
+    d = slopes(rt.loads(text), ["ball.y"], ["e"], [0.0, 0.3, 0.5])
+    wanted = differences(rt.loads(text), "e", ["ball.y"], [0.0, 0.3, 0.5])
+    assert d["ball.y", "e"] == pytest.approx(wanted["ball.y"], rel=1e-5, abs=1e-9)
+
+
+def test_what_does_not_bounce_stays():
+    d = slopes(rt.loads(ball(e=0.0)), ["ball.y", "time(rail.contacts, 1)"], ["h"], [0.0, 0.4, 1.0])
+    assert d["ball.y", "h"] == pytest.approx([1.0, 1.0, 0.0], abs=1e-9)
+    assert d["time(rail.contacts, 1)", "h"][0] == pytest.approx(1 / math.sqrt(2 * G))
+
+
 # ---------------------------------------------------------------- what is told
+@pytest.mark.parametrize("law", ["exact", "gonthier-exact", "kelvin-voigt", "anagnostopoulos", "herbert-mcwhannell"])
+def test_a_law_whose_restitution_cannot_be_followed_says_so(law):
+    """Also where the contact is open at the start, so that its force does not show."""
+    m = rt.loads(ball(f'{{ model = "{law}", stiffness = "k", exponent = 1.5, restitution = "e" }}'))
+    assert m.sensitivity(["ball.y"], ["k"], [0.0, 0.5]).success
+    with pytest.raises(TraceError, match="a law of contact cannot be followed where 'e' is changed"):
+        m.sensitivity(["ball.y"], ["e"], [0.0, 0.5])
+
+
+def test_a_start_that_is_not_that_of_a_run_is_refused():
+    text = slider_crank(LAWS["rigid"][0]).replace("offset = [0, 0]", "offset = [0, 1.25e-4]")
+    with pytest.raises(TraceError, match="give the rates of the bodies"):
+        rt.loads(text).sensitivity(["rod.omega"], ["l"], [0.0, 2e-5])
+
+
+def test_a_contact_that_is_pressed_again_before_it_opens_ends_the_answer():
+    push = 'loads.push = { type = "force", at = "ball.C", force = [0, "-300*(1 + tanh((t - 0.10958)*5e3))"] }'
+    contact = '{ model = "hertz", stiffness = "k", exponent = 1, damping = 400 }'
+    s = rt.loads(ball(contact, h=0.05, more=push)).sensitivity(["ball.vy"], ["h"], [0.0, 0.1, 0.11], **FINE)
+    assert not s.success
+    assert "is pressed again before its gap opens" in s.message
+
+
+def test_a_contact_that_does_not_come_is_told():
+    s = rt.loads(ball()).sensitivity(["time(rail.contacts, 9)"], ["h"], [0.0, 1.0])
+    assert "time(rail.contacts, 9) does not come until t = 1 s" in s.trust.notes
+
+
 def test_a_contact_that_grazes_is_told_and_has_no_slope():
     spring = 'loads.s = { type = "spring", connect = ["ground.S", "ball.C"], stiffness = 100, free_length = 2.5 }'
     m = rt.loads(ball(h=1.0, g=0.0, more=spring))

@@ -270,6 +270,8 @@ def _require_same(model: RecordedModel) -> None:
             moved = y + MOVED * random.standard_normal(len(y))
             outputs = _at(model, functions, model.start.t, moved, changed)
             if outputs[3]:
+                if model.contacts is not None:
+                    _require_recorded(model, other, changed, where)
                 _require_equal(other, model.start.t, moved, outputs[4:], where)
                 return True
         return False
@@ -306,6 +308,20 @@ def _at(
         inputs[first : first + count] = gaps[0].evaluate(gaps[1], inputs[:, None])[:, 0] < 0.0
         inputs[first : first + count][model.contacts.are.rigid] = 0.0
     return graph.evaluate(outputs, inputs[:, None])[:, 0]
+
+
+def _require_recorded(model: RecordedModel, other: System, values: Mapping[str, float], where: str) -> None:
+    """Raise TraceError where the numbers of another system do not follow from the recorded ones, laws included."""
+    want, symbols = other.arrays["values"].astype(float), [symbol_of(x) for x in model.recorded.arrays["values"]]
+    if len(want) != len(symbols):
+        return
+    graph, outputs = lower(model.graph, symbols)
+    inputs = model.inputs(0.0, model.start_state, list(values.values()))
+    got = graph.evaluate(outputs, inputs[:, None])[:, 0]
+    finite = np.isfinite(want)
+    off = np.abs(got[finite] - want[finite]) > SAME * np.maximum(np.abs(want[finite]), LEAST)
+    if off.any() or not np.array_equal(got[~finite], want[~finite], equal_nan=True):
+        raise TraceError(f"numbers of a joint, a load or a law of contact cannot be followed {where}")
 
 
 def _require_equal(system: System, t: float, y: np.ndarray, outputs: np.ndarray, where: str) -> None:

@@ -208,6 +208,8 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
     functions = Functions(model, asked.parameters, curves, compiled.add)
     touching = None if model.contacts is None else Touching(functions, model.contacts, compiled.add)
     z, functions.parameters = start(model, asked.parameters, compiled)
+    if touching is not None:
+        _require_same_start(model, z[:, 0])
     how = asked.t_eval, asked.rtol, asked.atol
     run = Motion(functions, z, *how) if touching is None else ContactMotion(functions, touching, z, *how)
     run.go()
@@ -228,22 +230,40 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
         derivatives[asked.t_eval[: len(derivatives)] >= run.grazed] = np.nan
         values, derivatives = _with_contacts(asked, run, values, derivatives, list(curves))
         units |= {name: reduction.unit for name, reduction in asked.of_contacts.items()}
-        trust = replace(trust, notes=(*trust.notes, *run.notes))
+        columns = dict(zip(asked.outputs, values.T, strict=True))
+        never = [name for name in asked.of_contacts if np.isnan(columns[name]).any()]
+        lacking = [f"{name} does not come until t = {run.t:.6g} s" for name in never]
+        trust = replace(trust, notes=(*trust.notes, *run.notes, *lacking))
     return Found(
         values, derivatives, trust, stats, run.message, {"method": "dop853", "rtol": asked.rtol, "atol": asked.atol}
     ), units
+
+
+def _require_same_start(model: RecordedModel, y: np.ndarray) -> None:
+    """Raise TraceError unless positions and rates are those with which a run starts."""
+    nq, want = 3 * model.system.body_count, model.start_state
+    for part in (slice(0, nq), slice(nq, 2 * nq)):
+        scale = max(1.0, float(np.abs(want[part]).max(initial=0.0)))
+        if (np.abs(y[part] - want[part]) > SAME * scale).any():
+            raise TraceError(
+                "no sensitivities: how the start changes with the parameters is not determined by [initial]; give the"
+                " rates of the bodies, or let pins with play start in the middle"
+            )
 
 
 def _require_same_contacts(asked: Asked, run: ContactMotion, reach: float) -> None:
     """Raise TraceError unless the contacts of a run without derivatives begin at the same instants, as far as [s]."""
     system, end = asked.model.system, float(run.t)
     alone = simulate(system, asked.model.start, t_end=end, t_eval=[0.0, end], rtol=asked.rtol, atol=asked.atol)
-    events = [event for event in alone.events if event.kind in ("contact", "impact")]
+    rigid = {joint for joint, rigid in zip(run.touching.are.joints, run.touching.are.rigid, strict=True) if rigid}
+    events = [e for e in alone.events if e.kind == "impact" or (e.kind == "contact" and e.joint not in rigid)]
     noticed = NOTICED * max((event.normal_speed for event in events), default=0.0)
     for n, event in enumerate(events):
         met = run.met[n] if n < len(run.met) else None
-        if event.normal_speed < noticed or event.t > min(reach, (1.0 - SAME) * end) or event.t >= run.grazed:
+        if event.t > min(reach, (1.0 - SAME) * end) or event.t >= run.grazed:
             return
+        if event.normal_speed < noticed:
+            continue
         apart = abs(met.time - event.t) if met is not None and met.joint == event.joint else math.inf
         if SAME * end < apart < PARTING * end:  # runs that were the same part: from here on errors are large
             return

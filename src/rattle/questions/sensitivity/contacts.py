@@ -21,6 +21,7 @@ import numpy as np
 
 from rattle.analyses.straight_line.linearised import Linearised
 from rattle.analyses.straight_line.recorded_model import ContactFunctions
+from rattle.equations.state import LOSS, STORED, state_layout
 from rattle.questions.sensitivity.functions import Functions, Rates
 from rattle.questions.sensitivity.motion import BESIDE, RESTART, TOO_SHORT, Motion
 from rattle.questions.sensitivity.step import Step
@@ -168,7 +169,7 @@ class ContactMotion(Motion):
         if len(hit) and not landed:
             self._land(hit, before, after, t_new - self.t)
             return False
-        if not len(hit) and self._in_doubt(before, after, step, t_new):
+        if self._in_doubt(before, after, step, t_new, hit):
             self._shorten("contact", t_new - self.t, 0.5)
             return False
         self._note_peaks(before, after, step, t_new, z, rates)
@@ -176,6 +177,8 @@ class ContactMotion(Motion):
         self._seen, self._tries = after, 0
         self._fastest = np.maximum(self._fastest, np.abs(after.rate))
         self._let_go(after)
+        if self.message:
+            return False
         if len(hit):
             self._meet(hit)
         return not len(hit)
@@ -185,7 +188,9 @@ class ContactMotion(Motion):
         touching = self.touching
         by_force = touching.are.by_force
         deeper = (after.gap < before.gap) & (after.rate < 0.0)
-        begins = ~touching.shut & ~touching.released & (after.gap < 0.0) & ((before.gap > 0.0) | deeper)
+        closes = (after.gap < 0.0) & ((before.gap > 0.0) | deeper)
+        closes |= (after.gap == 0.0) & (before.gap > 0.0) & (after.rate < 0.0)
+        begins = ~touching.shut & ~touching.released & closes
         opens = touching.shut & ~by_force & (after.gap > 0.0) & ((before.gap < 0.0) | (after.rate > 0.0))
         pulls = touching.shut & by_force & (after.normal < 0.0) & (after.normal_in_time < 0.0)
         return np.flatnonzero(begins | opens | pulls)
@@ -223,10 +228,14 @@ class ContactMotion(Motion):
         inside = [float(x.real) for x in roots if abs(x.imag) < 1e-9 and 1e-9 < x.real <= 1.0]
         return min(inside) if inside and a != 0.0 else (max(inside) if inside else 0.5)
 
-    def _in_doubt(self, before: Watched, after: Watched, step: Step, t_new: float) -> bool:
-        """Whether a gap that turns within a step may have closed in it, or one that closed may have opened."""
+    def _in_doubt(self, before: Watched, after: Watched, step: Step, t_new: float, known: np.ndarray) -> bool:
+        """Whether a gap that turns within a step may have closed in it, or one that closed may have opened.
+
+        known: contacts that do at its end.
+        """
         turns = ~self.touching.released & (before.rate * after.rate < 0.0)
         turns &= np.where(self.touching.shut, before.rate > 0.0, before.rate < 0.0)
+        turns[known] = False
         if not turns.any():
             return False
         h = t_new - self.t
@@ -242,13 +251,20 @@ class ContactMotion(Motion):
             theta = np.linspace(0.0, 1.0, 65)
             cubic = a + theta * (da + theta * ((3 * (b - a) - 2 * da - db) + theta * (2 * (a - b) + da + db)))
             off = abs(sign * between.gap[n] - cubic[32])
-            if cubic.min() - 4.0 * off < min(0.0, ALMOST * min(a, b)) and min(a, b) > 0.0:
+            if cubic.min() - 4.0 * off < min(0.0, ALMOST * min(a, b)) and min(a, b) >= 0.0:
                 return True
         return False
 
     def _let_go(self, after: Watched) -> None:
         """Contacts whose force has ended are open once their gap is."""
         self.touching.released &= ~((after.gap > 0.0) & (after.rate > 0.0))
+        again = np.flatnonzero(self.touching.released & ~self.touching.are.rigid & (after.rate < 0.0))
+        if len(again):
+            joint = self.touching.are.joints[again[0]]
+            self.message = (
+                f"stopped at t = {self.t:.6g} s: the contact in {joint}, whose force has ended, is pressed again before"
+                " its gap opens, which derivatives do not follow"
+            )
 
     # ---------------------------------------------------------------- contacts
     def _meet(self, hit: np.ndarray) -> None:
@@ -293,6 +309,9 @@ class ContactMotion(Motion):
             self._open[n] = met
             met.peak, met.by_peak = 0.0, np.zeros_like(shift)
             self._go_on(self.z, before, shift)
+            if self._seen.normal[n] > 0.0:  # at once, by its damping: it moves with the instant
+                met.peak = float(self._seen.normal[n])
+                met.by_peak = self._seen.by_normal[n] + self._seen.normal_in_time[n] * shift
 
     def _collide(self, n: int, shift: np.ndarray, speed: float) -> None:
         joint = self.touching.are.joints[n]
@@ -309,6 +328,10 @@ class ContactMotion(Motion):
             self.message = f"stopped at t = {self.t:.6g} s: {joint} hits while the rigid contact of {lasting} lasts"
             return
         after = self.touching.impact(n, self.t, self.z, self._rates.values[:, 0], not stays)
+        if after is not None and self.touching.are.lasts[n] and not stays:
+            back = float(self.touching.watched(self.t, after[0], self._rates.values[:, 0]).rate[n])
+            if 0.5 * back * back <= LOW * self.touching.are.scale[n] * bend:  # it does not return anything
+                stays, after = True, self.touching.impact(n, self.t, self.z, self._rates.values[:, 0], False)
         if after is None:
             self.message = f"stopped at t = {self.t:.6g} s: the impact in {joint} has no solution, or several"
             return
@@ -318,12 +341,16 @@ class ContactMotion(Motion):
         self._go_on(z, along, shift)
 
     def _end(self, n: int, shift: np.ndarray) -> None:
-        before = self._rates.values[:, 0]
+        z, before = self.z.copy(), self._rates.values[:, 0].copy()
+        account = state_layout(self.functions.model.system).account(n).start
+        for array in (z, before):  # what is still stored is lost
+            array[account + LOSS] += array[account + STORED]
+            array[account + STORED] = 0.0
         self.touching.set(n, False)
         self.touching.released[n] = self.touching.are.by_force[n]
         self._open.pop(n, None)
         self._fastest[n] = abs(self._seen.rate[n])
-        self._go_on(self.z, before, shift)
+        self._go_on(z, before, shift)
 
     def _go_on(self, z: np.ndarray, along: np.ndarray, shift: np.ndarray) -> None:
         """Go on from z; along: how the state after changes with the instant of the change, before it is taken off."""
