@@ -170,6 +170,24 @@ def test_a_rolling_bearing_is_half_its_radial_movement():
 
 
 @pytest.mark.parametrize(
+    ("play", "name", "words"),
+    [
+        (f"clearance = {FIT}", "O.bor", "did you mean 'O.bore'"),
+        (f"clearance = {FIT}", "O.play", "its play is O.bore and O.pin"),
+        ('bearing = "6208 C3"', "O.bore", "its play is O.play"),
+    ],
+)
+def test_what_the_play_of_a_joint_is_called_is_said(play, name, words):
+    with pytest.raises(ModelError, match=words):
+        rt.loads(loose(play)).set({name: "1 um"})
+
+
+def test_the_path_of_a_diameter_may_be_whole():
+    m = rt.loads(loose(f"clearance = {FIT}"))
+    assert m.set({"parameters.O.bore": "12 um"}).parameters["O.bore"] == m.set({"O.bore": "12 um"}).parameters["O.bore"]
+
+
+@pytest.mark.parametrize(
     ("play", "name", "value", "words"),
     [
         (f"clearance = {FIT}", "O.bore", "12e-6 N", "'12e-6 N' is a force; expected a length in m"),

@@ -72,8 +72,10 @@ def path_of(name: str, document: Table, remove: bool) -> Path:
     """
     table = section(document, "parameters")
     first, dot, _ = name.partition(".")
-    if name not in table and name in hidden_names(document):
-        return ("parameters", name)
+    hidden = hidden_names(document)
+    of_play = name.removeprefix("parameters.")  # whose name has a dot of its own
+    if of_play not in table and of_play in hidden:
+        return ("parameters", of_play)
     if name in table:
         whole = remove or not isinstance(table[name], Mapping)
         return ("parameters", name) if whole else ("parameters", name, "value")
@@ -82,15 +84,21 @@ def path_of(name: str, document: Table, remove: bool) -> Path:
     where = [key for key in ENTRIES if first in section(document, key)]
     if remove and not dot and len(where) == 1:
         return where[0], name
-    raise ModelError([_astray(name, table, where, remove)])
+    sizes = [size for size in hidden if size.startswith(f"{first}.")]
+    raise ModelError([_astray(name, table, where, remove, sizes)])
 
 
-def _astray(name: str, parameters: Table, where: Sequence[str], remove: bool) -> Problem:
-    """The problem of a name that leads nowhere; where: tables that have an entry with its first part."""
+def _astray(name: str, parameters: Table, where: Sequence[str], remove: bool, sizes: Sequence[str]) -> Problem:
+    """The problem of a name that leads nowhere; where: tables that have an entry with its first part; sizes: of its
+
+    fit or bearing.
+    """
     first, dot, _ = name.partition(".")
     if where:
         paths = " or ".join(f"'{key}.{name}'" for key in where)
         advice = f"; or name what is to change in it: {where[0]}.{name}.KEY" if not (dot or remove) else ""
+        near = suggest(name, sizes)
+        advice += near if "did you mean" in near else f"; its play is {' and '.join(sizes)}" if sizes else ""
         return Problem((name,), f"expected the whole path, {paths}{advice}")
     if dot:
         return Problem((name,), f"there is no '{first}' in the model{suggest(first, TABLES)}")
