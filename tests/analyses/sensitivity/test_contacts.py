@@ -7,6 +7,7 @@ import pytest
 
 import rattle as rt
 from rattle.errors import InputError, ModelError, TraceError
+from rattle.questions.sensitivity.effects import effects
 
 G = 9.81
 FINE = {"rtol": 1e-11, "atol": 1e-14}
@@ -300,3 +301,23 @@ def test_a_lasting_contact_with_friction_ends_the_answer_there():
     assert not s.success
     assert "comes to rest on its rigid contact with friction" in s.message
     assert len(s.t) > 3
+
+
+def test_beyond_the_horizon_of_a_chaotic_motion_there_is_no_derivative():
+    t = np.linspace(0.0, 0.03, 61)
+    s = rt.example("slider_crank_play").sensitivity(["slider.x", "time(B.contacts, 2)"], ["c"], t, rtol=1e-9)
+    assert s.success
+    known = t < s.trust.horizon
+    assert 0.01 < s.trust.horizon < 0.03
+    assert np.isfinite(s["d(slider.x)/d(c)"][known]).all()
+    assert np.isnan(s["d(slider.x)/d(c)"][~known]).all()
+    assert np.isfinite(s["slider.x"]).all()
+    assert np.isfinite(s["d(time(B.contacts, 2))/d(c)"]).all()
+    assert any("beyond the horizon" in note for note in s.trust.notes)
+
+
+def test_what_is_not_defined_is_called_so():
+    s = rt.loads(ball()).sensitivity(["ball.y", "time(rail.contacts, 9)"], ["h"], [0.0, 1.0])
+    one, other = effects(s)
+    assert one.effect.endswith(" mm")
+    assert (other.effect, other.slope) == ("not defined", "not defined")

@@ -227,12 +227,18 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
     n = len(run.values)
     values, derivatives = np.array(run.values).reshape(n, count), np.array(run.derivatives).reshape(n, count, k)
     if isinstance(run, ContactMotion):
-        derivatives[asked.t_eval[: len(derivatives)] >= run.grazed] = np.nan
-        values, derivatives = _with_contacts(asked, run, values, derivatives, list(curves))
+        known = min(run.grazed, reach if reach < run.t else math.inf)  # [s]
+        derivatives[asked.t_eval[: len(derivatives)] >= known] = np.nan
+        values, derivatives = _with_contacts(asked, run, known, values, derivatives, list(curves))
         units |= {name: reduction.unit for name, reduction in asked.of_contacts.items()}
         columns = dict(zip(asked.outputs, values.T, strict=True))
         never = [name for name in asked.of_contacts if np.isnan(columns[name]).any()]
         lacking = [f"{name} does not come until t = {run.t:.6g} s" for name in never]
+        if reach < run.t:
+            lacking.append(
+                f"beyond the horizon, t = {reach:.3g} s, derivatives of a chaotic motion say nothing and are left out; an"
+                " ensemble has the means of curves there, and what changes them"
+            )
         trust = replace(trust, notes=(*trust.notes, *run.notes, *lacking))
     return Found(
         values, derivatives, trust, stats, run.message, {"method": "dop853", "rtol": asked.rtol, "atol": asked.atol}
@@ -275,9 +281,12 @@ def _require_same_contacts(asked: Asked, run: ContactMotion, reach: float) -> No
 
 
 def _with_contacts(
-    asked: Asked, run: ContactMotion, values: np.ndarray, derivatives: np.ndarray, curves: Sequence[str]
+    asked: Asked, run: ContactMotion, known: float, values: np.ndarray, derivatives: np.ndarray, curves: Sequence[str]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Columns of all outputs in their order: those of contacts are the same at every instant."""
+    """Columns of all outputs in their order: those of contacts are the same at every instant.
+
+    known: instant from which on there are no derivatives [s].
+    """
     n, k = len(values), len(asked.parameters.names)
     all_values, all_slopes = np.full((n, len(asked.outputs)), np.nan), np.full((n, len(asked.outputs), k), np.nan)
     for column, name in enumerate(asked.outputs):
@@ -291,7 +300,7 @@ def _with_contacts(
         if len(mine) >= reduction.number:
             met = mine[reduction.number - 1]
             all_values[:, column], slope = getattr(met, reduction.kind), getattr(met, f"by_{reduction.kind}")
-            all_slopes[:, column] = slope if met.time < run.grazed else np.nan
+            all_slopes[:, column] = slope if met.time < known else np.nan
     return all_values, all_slopes
 
 

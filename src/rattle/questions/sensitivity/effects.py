@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from rattle.results.display import quantity
 from rattle.results.handy_units import DEGREES, SMALL
 from rattle.results.result import Result
 
+UNDEFINED = "not defined"
 SHARE = 0.01  # usual change of a parameter without a tolerance, as a share of its value; of 1 if that is 0
 
 
@@ -37,13 +39,16 @@ class Effect(NamedTuple):
 
     @property
     def largest(self) -> int:
-        """Instant of the largest magnitude."""
-        return int(np.argmax(np.abs(self.derivative)))
+        """Instant of the largest magnitude, of those at which it is defined."""
+        size = np.abs(self.derivative)
+        return int(np.nanargmax(size)) if np.isfinite(size).any() else 0
 
     @property
     def slope(self) -> str:
         """The largest derivative as text, angles in degrees, by mm where the parameter's change is short."""
         value, unit, by = float(self.derivative[self.largest]), self.unit, self.by
+        if math.isnan(value):
+            return UNDEFINED
         asked, asked_by = chosen(unit), chosen(by)
         if asked or asked_by:
             (factor, unit), (factor_by, by) = asked or (1.0, unit), asked_by or (1.0, by)
@@ -57,12 +62,13 @@ class Effect(NamedTuple):
     @property
     def effect(self) -> str:
         """The largest change of the output, as text."""
-        return quantity(float(self.derivative[self.largest]) * self.change, self.unit, 3)
+        value = float(self.derivative[self.largest])
+        return UNDEFINED if math.isnan(value) else quantity(value * self.change, self.unit, 3)
 
     @property
     def size(self) -> float:
         """The largest magnitude of the change of the output [SI]; 0 where the result has no instant."""
-        return float(np.abs(self.derivative).max(initial=0.0)) * self.change
+        return float(np.nanmax(np.abs(self.derivative), initial=0.0)) * self.change
 
 
 def effects(result: Result) -> list[Effect]:
