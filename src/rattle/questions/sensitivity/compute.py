@@ -236,8 +236,8 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
         lacking = [f"{name} does not come until t = {run.t:.6g} s" for name in never]
         if reach < run.t:
             lacking.append(
-                f"beyond the horizon, t = {reach:.3g} s, derivatives of a chaotic motion say nothing and are left out; an"
-                " ensemble has the means of curves there, and what changes them"
+                f"beyond the horizon, t = {reach:.3g} s, derivatives of a chaotic motion say nothing and are left out;"
+                " an ensemble has the means of curves there, and what changes them"
             )
         trust = replace(trust, notes=(*trust.notes, *run.notes, *lacking))
     return Found(
