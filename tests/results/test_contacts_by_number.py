@@ -6,26 +6,11 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from balls import G, ball
 from rattle.errors import ModelError
 from rattle.results.evaluation import evaluate
 from rattle.results.reductions import Known, read
 
-G = 9.81
-BALL = """
-format = 1
-gravity = [0, -9.81]
-parameters = {{ h = 1.0, e = 0.8, k = 1e5 }}
-ground.points.O = [0, 0]
-bodies.ball = {{ points = {{ C = [0, 0] }}, mass = 1, inertia = 1 }}
-initial.ball = {{ y = "h", vy = 0 }}
-[joints.rail]
-type = "prismatic"
-connect = ["ground.O", "ball.C"]
-axis = "90 deg"
-angle = 0
-stop = {{ min = 0, contact = {contact} }}
-"""
-RIGID = '{ model = "impact", restitution = "e" }'
 ROTOR = """
 format = 1
 parameters.w = 2.0
@@ -48,7 +33,7 @@ def test_a_ball_hits_a_rigid_stop_as_the_closed_form_says():
     texts = [
         f"{what}(rail.{word}, {k})" for what in ("time", "speed") for word in ("contacts", "impacts") for k in (1, 4)
     ]
-    found = asked(rt.loads(BALL.format(contact=RIGID)), texts, 3.0, e=e, h=h)
+    found = asked(rt.loads(ball()), texts, 3.0, e=e, h=h)
     first = np.sqrt(2 * h / G)
     for word in ("contacts", "impacts"):
         assert found[f"time(rail.{word}, 1)"] == pytest.approx(first, abs=1e-10)
@@ -58,15 +43,13 @@ def test_a_ball_hits_a_rigid_stop_as_the_closed_form_says():
 
 def test_a_ball_that_stays_has_hit_once():
     """That it rests from then on is no contact more."""
-    found = asked(
-        rt.loads(BALL.format(contact=RIGID)), ["count(rail.contacts)", "time(rail.contacts, 2)"], 1.0, e=[0.0]
-    )
+    found = asked(rt.loads(ball()), ["count(rail.contacts)", "time(rail.contacts, 2)"], 1.0, e=[0.0])
     assert found["count(rail.contacts)"][0] == 1
     assert np.isnan(found["time(rail.contacts, 2)"][0])
 
 
 def test_the_largest_force_on_an_elastic_stop_is_that_of_a_spring():
-    m = rt.loads(BALL.format(contact='{ model = "hertz", stiffness = "k", exponent = 1 }'))
+    m = rt.loads(ball('{ model = "hertz", stiffness = "k", exponent = 1 }'))
     k = np.array([1e5, 1e6])
     found = asked(m, ["peak(rail.contacts, 1)", "peak(rail.contacts, 2) - peak(rail.contacts, 1)"], 1.5, k=k)
     assert found["peak(rail.contacts, 1)"] == pytest.approx(G + np.sqrt(G * G + k * 2 * G), rel=1e-8)
@@ -104,7 +87,7 @@ initial.two = { angle = 0, omega = 2 }
 
 
 def test_of_a_run_that_ends_early_what_came_before_is_known():
-    text = BALL.format(contact=RIGID) + '[loads.late]\ntype = "force"\nat = "ball.C"\nforce = [0, "sqrt(0.7 - t)"]\n'
+    text = ball() + '[loads.late]\ntype = "force"\nat = "ball.C"\nforce = [0, "sqrt(0.7 - t)"]\n'
     r = rt.loads(text).simulate(1.0)
     assert not r.success
     known = Known.of(r)
@@ -130,10 +113,10 @@ def test_of_a_run_that_ends_early_what_came_before_is_known():
 )
 def test_what_is_no_contact_is_refused(text, said):
     with pytest.raises(ModelError) as caught:
-        rt.loads(BALL.format(contact=RIGID)).many({"e": [0.5]}, [text], 0.1)
+        rt.loads(ball()).many({"e": [0.5]}, [text], 0.1)
     assert said in str(caught.value)
 
 
 def test_where_nothing_touches_there_is_no_contact():
     with pytest.raises(ModelError, match="no joint has contacts, of which there is a time"):
-        rt.loads(BALL.format(contact=RIGID).split("stop =")[0]).many({"h": [1.0]}, ["time(rail.contacts, 1)"], 0.1)
+        rt.loads(ball().split("stop =")[0]).many({"h": [1.0]}, ["time(rail.contacts, 1)"], 0.1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,6 +18,7 @@ from rattle.cli.output import check_files, check_pictures, say_written
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from rattle.exchange.residuals import Residual
     from rattle.results.result import Result
 
 
@@ -100,20 +101,25 @@ def plot(
         return
     check_pictures(result, target)
     loaded = read_result(result, settings)
-    others = [(label, read_result(file)) for label, file in map(_labelled, compare)]
     beside = loaded.residuals(measured, names)
-    curves: Callable[[], Figure] = partial(
-        loaded.plot, *names, over=over, compare=others, robust=robust, measured=beside
-    )
-    if spectrum:
-        curves = partial(loaded.plot_spectrum, *names, compare=others)
-    drawing, word = curves if names or measured else None, "spectrum" * spectrum
-    figures = [*_figures(loaded, target, drawing, word, orbit, xy, output is not None)]
+    drawing = _curves(loaded, names, over, spectrum, compare, beside, robust) if names or measured else None
+    figures = [*_figures(loaded, target, drawing, "spectrum" * spectrum, orbit, xy, output is not None)]
     for part in beside:
         say_residual(loaded, part)
     for figure, path in figures:  # nothing is written if one of them cannot be drawn
         save_figure(figure, path)
         say_written(path)
+
+
+def _curves(
+    loaded: Result, names: tuple[str, ...], over: str | None, spectrum: bool, compare: tuple[str, ...],
+    beside: Sequence[Residual], robust: bool,
+) -> Callable[[], Figure]:  # fmt: skip
+    """What draws curves or their spectra, with those of other results; beside: measured ones."""
+    others = [(label, read_result(file)) for label, file in map(_labelled, compare)]
+    if spectrum:
+        return partial(loaded.plot_spectrum, *names, compare=others)
+    return partial(loaded.plot, *names, over=over, compare=others, robust=robust, measured=beside)
 
 
 def _list_names(loaded: Result) -> None:

@@ -52,18 +52,22 @@ class Cut:
             raise CutFault("both ends are at one place")
         self.along = (second - self.first) / self._length
         through = _common(self._material(True), self._material(False))
-        self.pieces = [span for span in through if self._within(span)]
-        # corners on the line count as left or as right: as if it ran a little beside them
-        ways = {on_left: self._spans(outline, on_left) for on_left in (True, False)}
-        chosen = [(on_left, span) for on_left, spans in ways.items() for span in spans if self._within(span)]
-        if not chosen or not self.pieces:
-            raise CutFault(self._why_not(through))
-        on_left, _ = chosen[0]
-        if (met := sum(way == on_left for way, _ in chosen)) > 1:
-            raise CutFault(f"goes through the plate {met} times, expected once: it must part it in two")
-        start, end = chosen[0][1]
-        self.pieces = [(a, b) for a, b in self.pieces if a >= start and b <= end]
-        self._divide(outline, holes, on_left, (start, end))
+        on_left, span = self._way(outline, through)
+        self.pieces = [(a, b) for a, b in through if self._within((a, b)) and a >= span[0] and b <= span[1]]
+        self._divide(outline, holes, on_left, span)
+
+    def _way(self, outline: Array, through: Spans) -> tuple[bool, tuple[float, float]]:
+        """Where it parts the outline, and whether corners on its line count as left or as right for that: as if it ran
+
+        a little beside them.
+        """
+        for on_left in (True, False):
+            spans = [span for span in self._spans(outline, on_left) if self._within(span)]
+            if len(spans) > 1:
+                raise CutFault(f"goes through the plate {len(spans)} times, expected once: it must part it in two")
+            if spans and any(map(self._within, through)):
+                return on_left, spans[0]
+        raise CutFault(self._why_not(through))
 
     def _aside(self, points: Array) -> Array:
         """How far points (..., 2) are to the left [m]."""
@@ -136,9 +140,9 @@ class Cut:
         if start == end:  # two crossings at one place
             return None
         (a, first), (b, second) = sorted([(int(edges[n]), n) for n in (start, end)])
-        one = np.vstack([points[first], ring[a + 1 : b + 1], points[second]])
-        other = np.vstack([points[second], ring[b + 1 :], ring[: a + 1], points[first]])
-        return (one, other) if self._is_left(ring, on_left)[a + 1] else (other, one)
+        up = np.vstack([points[first], ring[a + 1 : b + 1], points[second]])
+        down = np.vstack([points[second], ring[b + 1 :], ring[: a + 1], points[first]])
+        return (up, down) if self._is_left(ring, on_left)[a + 1] else (down, up)
 
     def is_left(self, points: Array, forces: Array) -> NDArray[np.bool_]:
         """Whether forces (n, 2) at points (n, 2) act on the left part.
@@ -165,9 +169,9 @@ def _width(values: Array) -> float:
     return float(np.ptp(values))
 
 
-def _common(one: Spans, other: Spans) -> Spans:
+def _common(spans: Spans, others: Spans) -> Spans:
     """Where both are."""
-    shared = [(max(a, c), min(b, d)) for a, b in one for c, d in other]
+    shared = [(max(a, c), min(b, d)) for a, b in spans for c, d in others]
     return sorted(span for span in shared if span[1] > span[0])
 
 

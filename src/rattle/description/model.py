@@ -100,8 +100,8 @@ class Body:
     @property
     def material(self) -> Material | None:
         """Of which a bar or a plate is; None if that is not said."""
-        made = self.beam or self.sheet
-        return made.material if made is not None else None
+        form = self.beam or self.sheet
+        return form.material if form is not None else None
 
 
 GROUND = "ground"

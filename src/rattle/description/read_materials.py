@@ -44,10 +44,10 @@ def _require_possible(values: Values, read: Mapping[str, float | None], path: Pa
 
 def material_named(values: Values, written: object, path: Path) -> Material | None:
     """The material of a name, of the model's own first, which is kept with its place; None after a problem."""
-    found = _material_named(values, written, path)
-    if found is not None:
-        values.named_materials[".".join(map(str, path[1:]))] = found
-    return found
+    material = _material_named(values, written, path)
+    if material is not None:
+        values.named_materials[".".join(map(str, path[1:]))] = material
+    return material
 
 
 def _material_named(values: Values, written: object, path: Path) -> Material | None:

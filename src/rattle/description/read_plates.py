@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from rattle.description.cuts import Cut, CutFault
 from rattle.description.model import Body, Sheet, Vector
@@ -28,46 +29,54 @@ def read_plate(reader: FieldReader, name: str, table: Table) -> Body:
     values, path = reader.values, ("bodies", name)
     own = _states_its_own(values, table, path)
     read = reader.form(PLATE, {key: written for key, written in table.items() if own or key not in FOLLOW}, path)
-    outline, points = read["polygon"], read["points"] or {}
-    holes = read["holes"] if "holes" in table else ()
-    sound = bool(outline) and holes is not None and _rings_fit(values, outline, holes, path)
     material = material_named(values, table["material"], (*path, "material")) if "material" in table else None
+    points = read["points"] or {}
     per_area, mass = _weight(values, table, read, material, path)
-    if not sound:
+    rings = _rings(values, read, table, path)
+    if not rings:
         return Body(name, math.nan, math.nan, points)
-    watch((outline, *holes))
-    figure = figure_of(outline, holes)
+    watch(rings)
+    figure = figure_of(rings[0], rings[1:])
     mass = per_area * figure.area if math.isnan(bare(mass)) else mass
     inertia = read["inertia"] if own else mass / figure.area * figure.second
     _require_in_range(values, mass, inertia, path)
-    cx, cy = (own and read["center"]) or figure.centre
-
-    def of_centre(ring: list[Vector]) -> tuple[Vector, ...]:
-        return tuple((x - cx, y - cy) for x, y in ring)
-
-    placed = dict(zip(points, of_centre(list(points.values())), strict=True))
-    rings = tuple(map(of_centre, (outline, *holes)))
-    necks = {name: of_centre(list(ends)) for name, ends in (read["necks"] or {}).items()}
-    _require_cut(values, rings, necks, path)
-    if necks and "thickness" not in table:
-        values.wrong((*path, "necks"), "stresses there need the thickness of the plate in m", at_key=True)
-    sheet = Sheet(
-        read.get("thickness", math.nan), material, {name: (first, second) for name, (first, second) in necks.items()}
-    )
-    return Body(name, mass, inertia, placed, outline=rings, sheet=sheet, z=read["z"])
+    centre = (own and read["center"]) or figure.centre
+    placed = dict(zip(points, _from(centre, list(points.values())), strict=True))
+    outline = tuple(_from(centre, ring) for ring in rings)
+    sheet = Sheet(read.get("thickness", math.nan), material, _necks(values, read, table, centre, outline, path))
+    return Body(name, mass, inertia, placed, outline=outline, sheet=sheet, z=read["z"])
 
 
-def _require_cut(
-    values: Values, rings: Sequence[Sequence[Vector]], necks: Mapping[str, tuple[Vector, ...]], path: Path
-) -> None:
-    """Note necks that do not divide the plate in two."""
-    for name, (first, second) in necks.items():
+def _from(centre: Vector, places: Sequence[Vector]) -> tuple[Vector, ...]:
+    """Places as they are seen from the mass centre."""
+    return tuple((x - centre[0], y - centre[1]) for x, y in places)
+
+
+def _rings(values: Values, read: Mapping[str, Any], table: Table, path: Path) -> list[list[Vector]]:
+    """Corners of the polygon, then of each hole; none after a problem."""
+    holes = read["holes"] if "holes" in table else []
+    if not read["polygon"] or holes is None or not _rings_fit(values, read["polygon"], holes, path):
+        return []
+    return [read["polygon"], *holes]
+
+
+def _necks(
+    values: Values, read: Mapping[str, Any], table: Table, centre: Vector, rings: Sequence[Sequence[Vector]], path: Path
+) -> dict[str, tuple[Vector, Vector]]:
+    """Both ends of each neck, from the mass centre; those that do not divide the plate in two are noted."""
+    necks: dict[str, tuple[Vector, Vector]] = {}
+    for name, ends in (read["necks"] or {}).items():
+        first, second = _from(centre, ends)
+        necks[name] = first, second
         try:
             Cut(rings, (first, second))
         except CutFault as fault:
             values.wrong((*path, "necks", name), str(fault))
         else:
             watch_sides((first, second), rings)
+    if necks and "thickness" not in table:
+        values.wrong((*path, "necks"), "stresses there need the thickness of the plate in m", at_key=True)
+    return necks
 
 
 def _states_its_own(values: Values, table: Table, path: Path) -> bool:
@@ -107,9 +116,9 @@ def _weight(
             values.wrong((*path, "mass"), "give thickness and density, or a mass in kg, not both", at_key=True)
         return math.nan, read.get("mass", math.nan)
     density = read.get("density", math.nan if material is None else material.density)
-    known = "density" in table or ("material" in table and (material is None or not math.isnan(bare(density))))
-    if "thickness" not in table or not known:
-        missing = "a thickness in m" if known else "a density in kg/m^3" if "thickness" in table else NO_WEIGHT
+    weighs = "density" in table or ("material" in table and (material is None or not math.isnan(bare(density))))
+    if "thickness" not in table or not weighs:
+        missing = "a thickness in m" if weighs else "a density in kg/m^3" if "thickness" in table else NO_WEIGHT
         values.wrong(path, f"needs {missing}")
         return math.nan, math.nan
     return read["thickness"] * density, math.nan

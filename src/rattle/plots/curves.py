@@ -160,8 +160,8 @@ def _fill(
     tops = [mark_largest(panel, result, name, CURVES[k % len(CURVES)], factor, across) for k, name in enumerate(names)]
     panel.set_ylabel(axis_label(QUANTITY.get(unit, ""), shown) if unit else "no unit")
     if robust:
-        known = [*(shown_curve(r, name) for r, name in present), *tops, *(part.values for part in beside)]
-        robust_limits(panel, [factor * values for values in known])
+        curves = [*(shown_curve(r, name) for r, name in present), *tops, *(part.values for part in beside)]
+        robust_limits(panel, [factor * values for values in curves])
 
 
 def _across(result: Result, over: str | None) -> tuple[Across, str]:

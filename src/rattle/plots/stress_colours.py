@@ -14,6 +14,7 @@ from rattle.results.handy_units import handy_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
 
 HIGHEST = 0.16  # of a moment diagram, as a share of the mechanism's size
 PALE, DARK = 0.9, MORE[0]  # colours grow darker with the stress, from so much white on: tints that a .gif holds
@@ -57,7 +58,7 @@ def _largest(values: Array) -> float:
     return float(np.nanmax(np.abs(values), initial=0.0))
 
 
-def _draw_bar(ax: Axes, scene: Scene, bar: Drawn, shades: object, factor: float, scale: float) -> Update:
+def _draw_bar(ax: Axes, scene: Scene, bar: Drawn, shades: ScalarMappable, factor: float, scale: float) -> Update:
     """A bar and its moment; scale [m/(N m)], factor: on stresses."""
     from matplotlib.collections import LineCollection
 
@@ -69,7 +70,7 @@ def _draw_bar(ax: Axes, scene: Scene, bar: Drawn, shades: object, factor: float,
     diagram = (
         _diagram(ax, axis, scale * np.nan_to_num(bar.moment[scene.pick]), across) if bar.moment is not None else None
     )
-    line = LineCollection([], cmap=shades.cmap, norm=shades.norm, linewidths=WIDE, zorder=8)  # type: ignore[attr-defined]
+    line = LineCollection([], cmap=shades.cmap, norm=shades.norm, linewidths=WIDE, zorder=8)
     ax.add_collection(line, autolim=False)
 
     def update(k: int) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from rattle.errors import InputError
 from rattle.language import arrays
 from rattle.language.syntax import Apply, Name, Node, names
 from rattle.results.contact_summary import most_readable, towering
+from rattle.results.event import Event
 from rattle.results.reductions import (
     CONDITIONS,
     EVENTS,
@@ -26,6 +27,7 @@ from rattle.results.reductions import (
     MAY_LACK,
     OF_EVENTS,
     READ_OFF,
+    Meeting,
     Output,
     Reduction,
     argument,
@@ -246,13 +248,19 @@ def _of_events(part: Reduction, result: Result) -> float:
     mine = [event for event in result.events if event.joint == joint]
     if part.kind == HARDEST:
         return max((event.impulse for event in mine if event.kind == "impact"), default=0.0)
-    meeting = meetings(result.geometry).get(joint)
-    kinds = set(EVENTS[events]) - ({"contact"} if meeting is not None and not meeting.lasting else set())
-    asked = [event for event in mine if event.kind in kinds]
+    asked = _counted(mine, events, meetings(result.geometry).get(joint))
     if part.kind == "count":
         return float(len(asked))
     contact = next(itertools.islice(asked, part.number - 1, None), None)
     return math.nan if contact is None else float(getattr(contact, FIELDS[part.kind]))
+
+
+def _counted(events: Sequence[Event], word: str, meeting: Meeting | None) -> list[Event]:
+    """Those of the events of a joint that a word stands for: a rigid contact that stays shut has begun by an impact."""
+    kinds = set(EVENTS[word])
+    if meeting is not None and not meeting.lasting:
+        kinds.discard("contact")
+    return [event for event in events if event.kind in kinds]
 
 
 # ---------------------------------------------------------------- from within the steps

@@ -6,32 +6,13 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from balls import G, ball
 from rattle.errors import InputError, ModelError, TraceError
 from rattle.questions.sensitivity.effects import effects
 
-G = 9.81
 FINE = {"rtol": 1e-11, "atol": 1e-14}
 ROUNDING = 1e-7  # share by which derivatives of a run may be off
 ELASTIC = '{ model = "hertz", stiffness = "k", exponent = 1 }'
-RIGID = '{ model = "impact", restitution = "e" }'
-
-
-def ball(contact=RIGID, h=1.0, e=0.8, more="", g=G):
-    return f"""
-format = 1
-gravity = [0, {-g}]
-parameters = {{ h = {h}, e = {e}, k = 1e5, lift = 0 }}
-ground.points = {{ O = [0, 0], S = [0, -2] }}
-bodies.ball = {{ points = {{ C = [0, 0] }}, mass = 1, inertia = 1 }}
-initial.ball = {{ y = "h", vy = 0 }}
-{more}
-[joints.rail]
-type = "prismatic"
-connect = ["ground.O", "ball.C"]
-axis = "90 deg"
-angle = 0
-stop = {{ min = 0, contact = {contact} }}
-"""
 
 
 def disc(spin=40.0, mu=0.3, law="newton"):

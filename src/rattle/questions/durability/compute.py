@@ -95,8 +95,8 @@ class Durability(Answer):
         """The blocks, advice and picture."""
         from rattle.questions.durability.pictures import has_lives
 
-        said = words(self.advice)
-        return (*self.blocks, *((said,) if said else ()), *((drawing(self.plot()),) if has_lives(self) else ()))
+        advice = words(self.advice)
+        return (*self.blocks, *((advice,) if advice else ()), *((drawing(self.plot()),) if has_lives(self) else ()))
 
     def _repr_html_(self) -> str:
         from rattle.answers.html import html_of

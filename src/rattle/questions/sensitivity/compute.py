@@ -5,7 +5,6 @@ Source: docs/theory.md, section 10; Haug, Computer Aided Kinematics and Dynamics
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -15,7 +14,7 @@ import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.assembly.assembly import Assembled
-from rattle.analyses.dynamics.simulate import output_times, simulate
+from rattle.analyses.dynamics.simulate import output_times
 from rattle.analyses.history import require_no_states
 from rattle.analyses.straight_line.derived_curves import derived_curve, derived_names
 from rattle.analyses.straight_line.machine_code import MachineFunctions
@@ -23,7 +22,6 @@ from rattle.analyses.straight_line.recorded_model import RecordedModel, record_m
 from rattle.equations.system import System
 from rattle.errors import InputError, SolverError, TraceError, suggest
 from rattle.language.recorded import Operand
-from rattle.language.syntax import Name
 from rattle.questions.equilibrium.compute import equilibria
 from rattle.questions.equilibrium.quasistatic import quasistatic
 from rattle.questions.kinematics.compute import analyse, instants
@@ -34,11 +32,16 @@ from rattle.questions.sensitivity.effects import derivative_name, quotient, usua
 from rattle.questions.sensitivity.functions import Functions
 from rattle.questions.sensitivity.growth import growth, horizon, linear_until
 from rattle.questions.sensitivity.motion import Motion
+from rattle.questions.sensitivity.of_contacts import (
+    contacts_in,
+    require_same_contacts,
+    require_same_start,
+    with_contacts,
+)
 from rattle.questions.sensitivity.parameters import Parameters
 from rattle.questions.sensitivity.start import counted, start
 from rattle.results.build import build_result
-from rattle.results.columns import geometry
-from rattle.results.reductions import OF_CONTACT, Known, Reduction, meetings, read
+from rattle.results.reductions import Reduction
 from rattle.results.result import Result, UnknownName
 from rattle.results.trust import Trust
 from rattle.solvers.stepper import ATOL
@@ -48,8 +51,6 @@ from rattle.value_types import Tree
 ANALYSES = ("simulate", "kinematics", "inverse-dynamics", "equilibrium")
 RTOL = 1e-10  # default relative tolerance of a motion with its derivatives
 SAME = 1e-6  # share of the largest of its unit by which a curve may differ from that of the analysis itself
-NOTICED = 1e-3  # share of the fastest contact below which contacts are not compared with those of a run alone
-PARTING = 1e-3  # share of a run by which the same contact of two runs of a chaotic motion may differ
 STILL = 1e-12  # [SI] scale of curves that are all 0, beside which nothing is told from rounding
 NUDGE = 1e-7  # change of a parameter, as a share, that must not change the parts of the model
 
@@ -115,7 +116,7 @@ def sensitivity(
         require_no_states(system.model, analysis)
     times = _times(system, t_eval, analysis)
     arguments.require_room(len(times), len(outputs) * (1 + len(parameters)))
-    of_contacts = _of_contacts(system, outputs, analysis)
+    of_contacts = contacts_in(system, outputs, analysis)
     model = _recorded(document, system, begin, parameters, analysis == "simulate")
     asked = Asked(model, Parameters.of(model), outputs, times, rtol, atol, of_contacts)
     answer, units = FIND[analysis](asked)
@@ -141,23 +142,6 @@ def _times(system: System, t_eval: Any, analysis: str) -> np.ndarray:
         return np.zeros(1) if analysis == "equilibrium" else output_times(system.model.settings, None, None)[1]
     times = instants(t_eval)
     return output_times(system.model.settings, None, times)[1] if analysis == "simulate" else times
-
-
-def _of_contacts(system: System, outputs: Sequence[str], analysis: str) -> dict[str, Reduction]:
-    """Outputs that are the time, the speed or the largest force of a contact.  Raises InputError, ModelError."""
-    found: dict[str, Reduction] = {}
-    for text in outputs:
-        word = text.partition("(")[0].strip()
-        if word == "count":
-            raise InputError(f"{text!r}: a number of contacts has no derivative: it jumps")
-        if word in OF_CONTACT and "(" in text:
-            if analysis != "simulate":
-                raise InputError(f"{text!r}: contacts begin in a run in time (simulate), not in {analysis}")
-            output = read(text, Known({}, {}, meetings(geometry(system.model))))
-            if len(output.reductions) > 1 or not isinstance(output.outer, Name):
-                raise InputError(f"{text!r}: ask for the derivative of one contact at a time")
-            found[text] = output.reductions[0]
-    return found
 
 
 def _recorded(
@@ -209,13 +193,13 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
     touching = None if model.contacts is None else Touching(functions, model.contacts, compiled.add)
     z, functions.parameters = start(model, asked.parameters, compiled)
     if touching is not None:
-        _require_same_start(model, z[:, 0])
+        require_same_start(model, z[:, 0])
     how = asked.t_eval, asked.rtol, asked.atol
     run = Motion(functions, z, *how) if touching is None else ContactMotion(functions, touching, z, *how)
     run.go()
     notes, reach = _growth_notes(asked, run)
     if isinstance(run, ContactMotion) and run.t > 0.0:
-        _require_same_contacts(asked, run, reach)
+        require_same_contacts(model, run, reach, asked.rtol, asked.atol)
     count, k = len(curves), len(model.parameters)
     trust = Trust(
         drift=run.drift, drift_angle=run.drift_angle, energy_balance=run.balance, energy_share=run.share, t_end=run.t,
@@ -227,81 +211,13 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
     n = len(run.values)
     values, derivatives = np.array(run.values).reshape(n, count), np.array(run.derivatives).reshape(n, count, k)
     if isinstance(run, ContactMotion):
-        known = min(run.grazed, reach if reach < run.t else math.inf)  # [s]
-        derivatives[asked.t_eval[: len(derivatives)] >= known] = np.nan
-        values, derivatives = _with_contacts(asked, run, known, values, derivatives, list(curves))
+        own = {name: (values[:, c], derivatives[:, c]) for c, name in enumerate(curves)}
+        values, derivatives, more = with_contacts(asked.outputs, asked.of_contacts, run, reach, own)
         units |= {name: reduction.unit for name, reduction in asked.of_contacts.items()}
-        columns = dict(zip(asked.outputs, values.T, strict=True))
-        never = [name for name in asked.of_contacts if np.isnan(columns[name]).any()]
-        lacking = [f"{name} does not come until t = {run.t:.6g} s" for name in never]
-        if reach < run.t:
-            lacking.append(
-                f"beyond the horizon, t = {reach:.3g} s, derivatives of a chaotic motion say nothing and are left out;"
-                " an ensemble has the means of curves there, and what changes them"
-            )
-        trust = replace(trust, notes=(*trust.notes, *run.notes, *lacking))
+        trust = replace(trust, notes=(*trust.notes, *more))
     return Found(
         values, derivatives, trust, stats, run.message, {"method": "dop853", "rtol": asked.rtol, "atol": asked.atol}
     ), units
-
-
-def _require_same_start(model: RecordedModel, y: np.ndarray) -> None:
-    """Raise TraceError unless positions and rates are those with which a run starts."""
-    nq, want = 3 * model.system.body_count, model.start_state
-    for part in (slice(0, nq), slice(nq, 2 * nq)):
-        scale = max(1.0, float(np.abs(want[part]).max(initial=0.0)))
-        if (np.abs(y[part] - want[part]) > SAME * scale).any():
-            raise TraceError(
-                "no sensitivities: how the start changes with the parameters is not determined by [initial]; give the"
-                " rates of the bodies, or let pins with play start in the middle"
-            )
-
-
-def _require_same_contacts(asked: Asked, run: ContactMotion, reach: float) -> None:
-    """Raise TraceError unless the contacts of a run without derivatives begin at the same instants, as far as [s]."""
-    system, end = asked.model.system, float(run.t)
-    alone = simulate(system, asked.model.start, t_end=end, t_eval=[0.0, end], rtol=asked.rtol, atol=asked.atol)
-    rigid = {joint for joint, rigid in zip(run.touching.are.joints, run.touching.are.rigid, strict=True) if rigid}
-    events = [e for e in alone.events if e.kind == "impact" or (e.kind == "contact" and e.joint not in rigid)]
-    noticed = NOTICED * max((event.normal_speed for event in events), default=0.0)
-    for n, event in enumerate(events):
-        met = run.met[n] if n < len(run.met) else None
-        if event.t > min(reach, (1.0 - SAME) * end) or event.t >= run.grazed:
-            return
-        if event.normal_speed < noticed:
-            continue
-        apart = abs(met.time - event.t) if met is not None and met.joint == event.joint else math.inf
-        if SAME * end < apart < PARTING * end:  # runs that were the same part: from here on errors are large
-            return
-        if apart > SAME * end:
-            raise TraceError(
-                f"no sensitivities: contact {n + 1}, in {event.joint} at t = {event.t:.6g} s, is missed; a smaller rtol"
-                " may help"
-            )
-
-
-def _with_contacts(
-    asked: Asked, run: ContactMotion, known: float, values: np.ndarray, derivatives: np.ndarray, curves: Sequence[str]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Columns of all outputs in their order: those of contacts are the same at every instant.
-
-    known: instant from which on there are no derivatives [s].
-    """
-    n, k = len(values), len(asked.parameters.names)
-    all_values, all_slopes = np.full((n, len(asked.outputs)), np.nan), np.full((n, len(asked.outputs), k), np.nan)
-    for column, name in enumerate(asked.outputs):
-        if name not in asked.of_contacts:
-            all_values[:, column] = values[:, curves.index(name)]
-            all_slopes[:, column] = derivatives[:, curves.index(name)]
-            continue
-        reduction = asked.of_contacts[name]
-        joint = reduction.inner.name.rpartition(".")[0] if isinstance(reduction.inner, Name) else ""
-        mine = [met for met in run.met if met.joint == joint]
-        if len(mine) >= reduction.number:
-            met = mine[reduction.number - 1]
-            all_values[:, column], slope = getattr(met, reduction.kind), getattr(met, f"by_{reduction.kind}")
-            all_slopes[:, column] = slope if met.time < known else np.nan
-    return all_values, all_slopes
 
 
 def _growth_notes(asked: Asked, run: Motion) -> tuple[list[str], float]:

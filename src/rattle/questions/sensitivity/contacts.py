@@ -228,14 +228,14 @@ class ContactMotion(Motion):
         inside = [float(x.real) for x in roots if abs(x.imag) < 1e-9 and 1e-9 < x.real <= 1.0]
         return min(inside) if inside and a != 0.0 else (max(inside) if inside else 0.5)
 
-    def _in_doubt(self, before: Watched, after: Watched, step: Step, t_new: float, known: np.ndarray) -> bool:
+    def _in_doubt(self, before: Watched, after: Watched, step: Step, t_new: float, landed: np.ndarray) -> bool:
         """Whether a gap that turns within a step may have closed in it, or one that closed may have opened.
 
-        known: contacts that do at its end.
+        landed: contacts that do at its end.
         """
         turns = ~self.touching.released & (before.rate * after.rate < 0.0)
         turns &= np.where(self.touching.shut, before.rate > 0.0, before.rate < 0.0)
-        turns[known] = False
+        turns[landed] = False
         if not turns.any():
             return False
         h = t_new - self.t
