@@ -86,6 +86,19 @@ initial.two = { angle = 0, omega = 2 }
     assert found["time(way.contacts, 1)"] == pytest.approx([2.0, 1.0])
 
 
+def test_a_ratchet_that_takes_up_with_an_impact_takes_up_once():
+    m = rt.example("ratchet")
+    texts = ["count(drive.contacts)", *(f"{w}(drive.contacts, {k})" for w in ("time", "peak", "speed") for k in (1, 2))]
+    found = m.many({"A": [m.parameters["A"]]}, [*texts, "time(drive.contacts, 1e20)"])
+    count, first, second, *peaks, fast, _ = (float(found[text][0]) for text in texts)
+    locks = [event for event in m.simulate().events if event.joint == "drive" and event.kind == "lock"]
+    assert count == len(locks) == 3
+    assert [first, second] == pytest.approx([event.t for event in locks[:2]], abs=1e-6)
+    assert peaks == pytest.approx([event.peak_force for event in locks[:2]], rel=1e-4)
+    assert fast > 0.0
+    assert math.isnan(found["time(drive.contacts, 1e20)"][0])
+
+
 def test_of_a_run_that_ends_early_what_came_before_is_known():
     text = ball() + '[loads.late]\ntype = "force"\nat = "ball.C"\nforce = [0, "sqrt(0.7 - t)"]\n'
     r = rt.loads(text).simulate(1.0)
@@ -102,6 +115,7 @@ def test_of_a_run_that_ends_early_what_came_before_is_known():
         ("time(rail.contacts, 0)", "counted from 1: time(..., k) takes a whole number, not 0"),
         ("time(rail.contacts, 1.5)", "a whole number, not 1.5"),
         ("time(rail.contacts, h)", "takes a whole number"),
+        ("speed(rail.contacts, 1 m)", "takes a whole number, not 1 m"),
         ("time(rial.contacts, 1)", "did you mean 'rail.contacts'"),
         ("speed(rail.contact, 1)", "did you mean 'rail.contacts'"),
         ("speed(ball.vy, 1)", "speed takes the contacts of a joint, as in speed(rail.contacts, 1)"),

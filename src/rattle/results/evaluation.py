@@ -7,7 +7,6 @@ the same numbers whatever the instants.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Collection, Mapping, Sequence
 
@@ -37,7 +36,7 @@ from rattle.results.result import Result
 from rattle.results.sampled_curve import SampledCurve
 
 AT_INSTANTS = ("at", "final", "quantile")  # reductions that may miss where a curve towers
-FIELDS = {"time": "t", "speed": "normal_speed", "peak": "peak_force"}  # of an event
+FIELDS = {"time": "t", "peak": "peak_force"}  # of an event
 TOLD = (*CONDITIONS, *OF_EVENTS)  # those that the height of a curve does not change
 SIGNED = ("normal", "penetration", "tight")  # quantities whose peak is the largest value, not the largest magnitude
 
@@ -251,16 +250,24 @@ def _of_events(part: Reduction, result: Result) -> float:
     asked = _counted(mine, events, meetings(result.geometry).get(joint))
     if part.kind == "count":
         return float(len(asked))
-    contact = next(itertools.islice(asked, part.number - 1, None), None)
-    return math.nan if contact is None else float(getattr(contact, FIELDS[part.kind]))
+    if part.number > len(asked):
+        return math.nan
+    contact = asked[part.number - 1]
+    if part.kind == "speed":  # of a clutch that takes up with an impact, that of the impact
+        return max(event.normal_speed for event in mine if event.t == contact.t)
+    return float(getattr(contact, FIELDS[part.kind]))
 
 
 def _counted(events: Sequence[Event], word: str, meeting: Meeting | None) -> list[Event]:
-    """Those of the events of a joint that a word stands for: a rigid contact that stays shut has begun by an impact."""
+    """Those of the events of a joint that a word stands for, each contact once.
+
+    A rigid contact that stays shut has begun by an impact, and a clutch that takes up with an impact takes up once.
+    """
     kinds = set(EVENTS[word])
     if meeting is not None and not meeting.lasting:
         kinds.discard("contact")
-    return [event for event in events if event.kind in kinds]
+    locks = {event.t for event in events if event.kind == "lock" and "lock" in kinds}
+    return [event for event in events if event.kind in kinds and not (event.kind == "impact" and event.t in locks)]
 
 
 # ---------------------------------------------------------------- from within the steps

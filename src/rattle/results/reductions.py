@@ -389,11 +389,11 @@ def _of_contact(node: Apply, vocabulary: Known) -> Reduction:
 
 def _number_of(kind: str, node: Node) -> int:
     """The number of a contact: a whole one from 1 on."""
-    text = f"{node.value:g}" if isinstance(node, Number) else ""
-    if not isinstance(node, Number) or node.value != int(node.value) or node.value < 1:
-        got = f", not {text}" if text else ""
-        raise ExpressionError(f"contacts are counted from 1: {kind}(..., k) takes a whole number{got}", node.column)
-    return int(node.value)
+    if isinstance(node, Number) and node.dimension in (None, DIMENSIONLESS) and 1.0 <= node.value == int(node.value):
+        return int(node.value)
+    unit = "" if not isinstance(node, Number) or node.dimension is None else f" {unit_name(node.dimension)}"
+    got = f", not {node.value:g}{unit}" if isinstance(node, Number) else ""
+    raise ExpressionError(f"contacts are counted from 1: {kind}(..., k) takes a whole number{got}", node.column)
 
 
 def meetings(geometry: Mapping[str, Any]) -> dict[str, Meeting]:

@@ -302,3 +302,28 @@ def test_what_is_not_defined_is_called_so():
     one, other = effects(s)
     assert one.effect.endswith(" mm")
     assert (other.effect, other.slope) == ("not defined", "not defined")
+
+
+def test_of_a_contact_at_which_the_answer_ends_that_is_said():
+    s = rt.example("guide_play").sensitivity(["time(guide.contacts, 1)"], ["c"], [0.0, 0.006])
+    assert "several contacts begin or end there at once" in s.message
+    assert any(note.startswith("time(guide.contacts, 1) is not known: derivatives end at t") for note in s.trust.notes)
+
+
+def test_contacts_begin_at_their_instants_whatever_the_model_steps_by():
+    """The example takes equal steps, at whose ends its contacts begin."""
+    m, of = rt.example("three_plays"), ["time(B.contacts, 1)", "speed(B.contacts, 1)"]
+    assert m.model.settings.method == "moreau"
+    s = m.sensitivity(of, ["l1"], [0.0, 0.0115], **FINE)
+    assert "comes to rest on its rigid contact with friction" in s.message
+    step = 1e-6 * m.parameters["l1"]
+    near = [m.set(l1=m.parameters["l1"] + d).simulate(0.0118, method="event", **FINE) for d in (step, -step)]
+    hits = [next(event for event in r.events if event.kind == "impact") for r in near]
+    for kind, key in (("time", "t"), ("speed", "normal_speed")):
+        wanted = (getattr(hits[0], key) - getattr(hits[1], key)) / (2 * step)
+        assert s[f"d({kind}(B.contacts, 1))/d(l1)"][0] == pytest.approx(wanted, rel=1e-5)
+
+
+def test_a_start_that_assembly_changes_says_what_to_give():
+    with pytest.raises(TraceError, match="assembly had to change them; give "):
+        rt.example("gear_rattle").sensitivity(["time(mesh.contacts, 1)"], ["e"], [0.0, 0.01])

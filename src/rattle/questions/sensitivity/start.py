@@ -15,6 +15,7 @@ from rattle.analyses.straight_line.starts import Starts
 from rattle.errors import TraceError
 from rattle.questions.sensitivity.parameters import Parameters
 
+ALL = "give positions and rates of all bodies, so that they fit together"
 NUDGE = 1e-6  # change of a parameter, as a share, at which the start must still be the one that [initial] gives
 
 
@@ -47,7 +48,7 @@ class StartDerivatives:
         if begun.assembled[0]:
             raise TraceError(
                 "no sensitivities: the start is not determined by the values in [initial] alone, assembly had to"
-                f" change them; {lacking(model.system, model.start)}"
+                f" change them; {lacking(model.system, model.start) or ALL}"
             )
         _require_kept(self._begin, chosen)
         y, nq, k = begun.y[:, 0], 3 * model.system.body_count, len(chosen.values)
