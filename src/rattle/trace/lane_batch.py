@@ -15,72 +15,22 @@ from rattle.trace.crossings import bracketed
 from rattle.trace.lane_chain import Aside, Call, Calls
 from rattle.trace.lane_control import (
     CONTROL,
-    FLAGS,
     GOING_ON,
     NUMBER,
     RUNNING,
     STATUS,
     STEPS,
     TRIES,
-    VERDICT,
     Status,
-    report_rows,
 )
-from rattle.trace.lane_methods import PLAN, PLANNED
+from rattle.trace.lane_methods import PLAN
 from rattle.trace.lane_program import EIGHT, Program, filled
+from rattle.trace.lane_rows import ASIDE
 from rattle.trace.lane_start import Stock
 from rattle.trace.reductions import NEVER
 
 LINE = 8  # numbers in a line of the cache
 TILE = 200_000  # bytes: less than half of what is near to a core; twice as many is as fast, half as many 5 % slower
-ASIDE = "aside: "  # names of rows of steps that are set aside
-
-
-class _Rows:
-    """Where groups of rows stand in a tile, one after the other."""
-
-    def __init__(self) -> None:
-        self.places: dict[str, slice] = {}
-        self.count = 0
-
-    def add(self, name: str, count: int) -> None:
-        self.places[name] = slice(self.count, self.count + count)
-        self.count += count
-
-    def span(self, first: str, last: str) -> slice:
-        """From a group to another one."""
-        return slice(self.places[first].start, self.places[last].stop)
-
-
-def _laid_out(program: Program) -> _Rows:
-    model, method, ledger = program.model, program.method, program.ledger
-    wide, rows = 1 + model.ny, _Rows()
-    _, seen, crossings, later, curves, held, control = report_rows(ledger)
-    block, slopes = wide + 1 + len(ledger.watched), method.slopes if ledger.sampled else method.stages + 1
-    inside = (5 + len(method.upper) + ledger.samples - 1) * wide
-    for name, count in (
-        ("state", wide + model.nc),
-        ("y new", wide), ("errors", len(method.errors) * wide),
-        # the report
-        ("planned", len(PLANNED)), ("verdict", len(VERDICT)), ("curve flags", 2), ("flags", len(FLAGS) - 2),
-        ("seen", seen),
-        ("crossings", crossings), ("later", later), ("curves", curves), ("rows", held), ("control", control),
-        ("good", 1), ("asks", 1), ("next", curves + held + control),
-        # end, step, y, slopes: blocks of t, y, a flag and watched curves; seen flat, a block is one row of components
-        ("blocks", (3 + slopes) * block),
-        ("merged", 2 * wide), ("arrived", 2 * wide + curves if model.project is None else 0),
-        # share of the step, y, dense output, states between parts
-        ("inside", inside if ledger.sampled else 0),
-    ):  # fmt: skip
-        rows.add(name, count)
-    if ledger.watched:
-        for name, count in (
-            ("state", wide + model.nc), ("curves", curves), ("later", ledger.samples * (model.curves + 1)),
-            ("blocks", (3 + method.slopes) * block), ("inside", inside),
-            ("larger", len(ledger.screened) + 1), ("lane", 1), ("taken", 1),
-        ):  # fmt: skip
-            rows.add(ASIDE + name, count)
-    return rows
 
 
 def _aligned(*shape: int) -> np.ndarray:
@@ -95,7 +45,7 @@ class Batch:
 
     def __init__(self, program: Program, n: int, looks: int) -> None:
         """looks: steps of a lane after which Python looks what came of it."""
-        self.program, self.rows = program, _laid_out(program)
+        self.program, self.rows = program, program.rows
         fitting = EIGHT * max(1, TILE // (8 * EIGHT * self.rows.count))
         self.tile = tile = min(n, fitting if program.tiled else n)
         self.memory = _aligned(-(-n // tile), self.rows.count, tile)
@@ -166,7 +116,7 @@ class Batch:
             (program.spread, planned[:1], blocks[1, :wide]),
             *(call for s in range(1, stages) for call in self._stage(s)),
             (program.end, flat[1 : 3 + stages], squares), (program.judge, judged, self._first("verdict")),
-            (copy, squares[:1], moved), (copy, planned[1:2], state[:1]), *self._arrival(),
+            (copy, squares[:1], moved), (copy, planned[1:2], state[:1]), *self._arrival(), *self._meeting(),
         ]  # fmt: skip
         if program.ledger.sampled:
             calls += self._samples()
@@ -188,12 +138,24 @@ class Batch:
                 (model.rate, state, ends[1]), (model.outputs, state, last),
             ]  # fmt: skip
         assert model.arrive is not None
-        arrived, row = self._first("arrived"), (1, -1)
-        parts = arrived[:wide], arrived[wide : 2 * wide], arrived[2 * wide :]
-        targets = zip(parts, (*ends, last), strict=True)
+        arrived, row, curves = self._first("arrived"), (1, -1), 2 * wide + model.curves + 1
+        parts = arrived[:wide], arrived[wide : 2 * wide], arrived[2 * wide : curves], arrived[curves:]
+        targets = zip(parts, (*ends, last, self._first("ends")), strict=True)
         return [
             (model.arrive, state, arrived), (copy, time, blocks[0, :1]),
-            *((copy, rows.reshape(row), target.reshape(row)) for rows, target in targets),
+            *((copy, rows.reshape(row), target.reshape(row)) for rows, target in targets if len(rows)),
+        ]  # fmt: skip
+
+    def _meeting(self) -> list[Call]:
+        """What the step says of contacts."""
+        program, meets = self.program, self.program.model.meets
+        if meets is None:
+            return []
+        known = self._first("blocks")[: (4 + program.method.stages) * self._block]
+        return [
+            (program.middle, known, self._first("state")[: 1 + program.model.ny]),
+            (meets.midway, self._first("state"), self._first("midway")),
+            (program.meet, self.memory[0], self._first("met")),
         ]  # fmt: skip
 
     def _samples(self, aside: str = "") -> list[Call]:
@@ -247,9 +209,18 @@ class Batch:
             (program.copy, new[curves:].reshape(row), held[curves:].reshape(row)),
             *([self._aside()] if program.ledger.watched else []),  # it reads the old curves, and writes new rows
             (program.copy, new[:curves].reshape(row), held[:curves].reshape(row)),
+            *self._touching(),
             (program.spread, self._first("good"), step),
             (program.merged, flat[: 4 + program.method.stages], merged), (program.copy_two, merged, flat[2:4]),
         ]  # fmt: skip
+
+    def _touching(self) -> list[Call]:
+        """Which contacts are shut, and how fast they closed, becomes part of the state."""
+        if (meets := self.program.model.meets) is None:
+            return []
+        count, wide = 2 * meets.count, 1 + self.program.model.ny
+        pair = self._first("touch")[:count], self._first("state")[wide : wide + count]
+        return [(self.program.copy, pair[0].reshape(1, -1), pair[1].reshape(1, -1))]
 
     def take(self, lanes: np.ndarray, stock: Stock, columns: np.ndarray, samples: np.ndarray) -> None:
         """Put samples that stand in columns of a stock into lanes."""
@@ -262,6 +233,7 @@ class Batch:
         blocks[tiles, 3, 1 : 1 + ny, lane] = stock.rate[:, columns].T
         self._all("state")[tiles, 1 + ny :, lane] = stock.constants[:, columns].T
         self._put("curves", lanes, stock.curves[:, columns])
+        self._put("touch", lanes, stock.touch[:, columns])
         self._put("rows", lanes, stock.rows[:, columns])
         control = np.zeros((len(CONTROL), k))
         control[RUNNING], control[STATUS] = 1.0, GOING_ON

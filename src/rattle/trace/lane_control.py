@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from rattle.language.recorded import Flag, Operand
 from rattle.trace.graph import apply, both, select
+from rattle.trace.lane_contacts import Ends, Lane, Meets, Met, Touch, touches_of, turn
 from rattle.trace.lane_methods import PLAN, PLANNED, Recorded, flag, inputs
 from rattle.trace.reductions import Ledger, Step
 
@@ -31,6 +32,7 @@ class Status(IntEnum):
     ENERGY = 4
     TOO_MANY_STEPS = 5
     STEP_TOO_SMALL = 6
+    CONTACTS = 7
 
     @property
     def words(self) -> str:
@@ -46,6 +48,7 @@ WORDS = {
     Status.ENERGY: "has an energy error above the limit",
     Status.TOO_MANY_STEPS: "takes too many steps",
     Status.STEP_TOO_SMALL: "needs steps that are too short",
+    Status.CONTACTS: "touches at its start, or comes to contacts that straight-line code cannot follow",
 }
 
 
@@ -57,39 +60,46 @@ class Stops(NamedTuple):
     lengths: Sequence[float]
 
 
-def report_rows(ledger: Ledger) -> list[int]:
-    """Numbers of rows that `settle` reads: PLANNED, VERDICT, FLAGS; extremes of watched curves in the stages;
-    crossings; curves after the start, at it; rows; CONTROL."""
+def report_rows(ledger: Ledger, meets: Meets | None = None) -> list[int]:
+    """Numbers of rows that `settle` reads: PLANNED, VERDICT, FLAGS; extremes of watched curves in the stages; `Met`,
+    `Ends` of contacts; crossings; curves after the start, at it; `Touch`; rows; CONTROL."""
     wide = ledger.curves + 1
     first = len(PLANNED) + len(VERDICT) + len(FLAGS)
     return [
         first,
         2 * len(ledger.watched),
+        0 if meets is None else meets.met_rows,
+        0 if meets is None else meets.end_rows,
         2 * len(ledger.conditions),
         ledger.parts * wide,
         wide,
+        0 if meets is None else meets.touch_rows,
         ledger.rows,
         len(CONTROL),
     ]
 
 
-def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int) -> Recorded:
-    """Rows as in `report_rows`: flags that the step is good, that it asks for samples; curves at the start, rows,
-    CONTROL of the next one."""
-    parts = report_rows(ledger)
+def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets: Meets | None = None) -> Recorded:
+    """Rows as in `report_rows`: flags that the step is good, that it asks for samples; curves at the start, `Touch`,
+    rows, CONTROL of the next one."""
+    parts = report_rows(ledger, meets)
     graph, row = inputs(sum(parts))
-    proposed, shown, crossed, after, curves, held, control = (
+    proposed, shown, met, ends, crossed, after, curves, touch, held, control = (
         row[sum(parts[:n]) : sum(parts[: n + 1])] for n in range(len(parts))
     )
     h, t_new, last, short, _, ahead, *flags = proposed
     running, status, number, steps, tries, t, *_ = control
     running, accepted, short, last = (flag(graph, x) for x in (running, flags[0], short, last))
+    fits, still = accepted, flag(graph, control[-2])
+    if meets is not None:
+        accepted = (fits & apply("not", Met(meets, met).cut > 0.0)) | still
     curves_sound, curves_finite, kept, sound, finite = (flag(graph, x) for x in flags[1:])
     wide = ledger.curves + 1
     samples = [[curves[n], *after[n::wide]] for n in range(ledger.curves)]
     crossings = {curve: (crossed[2 * n], crossed[2 * n + 1]) for n, curve in enumerate(ledger.conditions)}
     seen = dict(zip(ledger.watched, zip(shown, shown[len(ledger.watched) :], strict=False), strict=True))
-    rows, asks = ledger.advance(Step(h, t, number, last, samples, crossings, seen), held)
+    touches = None if meets is None else touches_of(meets, Touch(meets, touch), Ends(meets, ends), Met(meets, met))
+    rows, asks = ledger.advance(Step(h, t, t_new, number, last, samples, crossings, seen, touches), held)
     accounted = flag(graph, rows[ledger.sound_row]) if ledger.sound_row is not None else True
     reached: Operand = GOING_ON
     for fails, why in (  # the last one that holds counts
@@ -100,6 +110,12 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int) -> Rec
     ):  # fmt: skip
         reached = select(fails, float(why), reached)
     good = both(graph, [running, accepted, reached < 0.0])
+    turned = None
+    if meets is not None:
+        lane = Lane(good, fits, still, control[-1], ahead, control[len(CONTROL) - len(PLAN) + 1])
+        turned = turn(meets, Touch(meets, touch), Ends(meets, ends), Met(meets, met), proposed, lane)
+        reached = select(turned.lost, float(Status.CONTACTS), reached)
+        ahead = turned.ahead
     landed = good & last
     number = number + _one(landed)
     reached = select(landed & (number >= float(len(stops.instants))), float(Status.DONE), reached)
@@ -108,21 +124,26 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int) -> Rec
     plan[0], plan[4] = select(good, t_new, t), plan[4] + _one(good & apply("not", landed))
     if adaptive:
         plan[1] = select(running, ahead, plan[1])
-    controlled = [going, select(running, reached, status), number, steps + _one(good), tries + _one(running), *plan]
-    merged = [select(good, new, old) for new, old in zip([*after[-wide:], *rows], [*curves, *held], strict=True)]
-    return graph, [good, good & asks, *merged, *controlled]
+    taken = good
+    if turned is not None:
+        plan[-2], plan[-1], taken = turned.still, turned.landing, good & apply("not", still)
+    controlled = [going, select(running, reached, status), number, steps + _one(taken), tries + _one(running), *plan]
+    last_curves, rows = (
+        [select(good, new, old) for new, old in zip(*pair, strict=True)] for pair in ((after[-wide:], curves), (rows, held))
+    )
+    return graph, [good, good & asks, *last_curves, *(turned.touch if turned else ()), *rows, *controlled]
 
 
 def _plan(stops: Stops, adaptive: bool, landed: Flag, number: Operand, plan: Sequence[Operand]) -> list[Operand]:
     """PLAN after landing at a stop: the next one is ahead."""
-    t, ahead, stop, base, done, count = plan
+    t, ahead, stop, base, done, count, still, landing = plan
     done = select(landed, 0.0, done)
     for n in range(1, len(stops.instants)):
         here = landed & apply("equal", number, float(n))
         stop, base = select(here, stops.instants[n], stop), select(here, stops.instants[n - 1], base)
         if not adaptive:
             ahead, count = select(here, stops.lengths[n], ahead), select(here, stops.counts[n], count)
-    return [t, ahead, stop, base, done, count]
+    return [t, ahead, stop, base, done, count, still, landing]
 
 
 def _one(on: Flag) -> Operand:

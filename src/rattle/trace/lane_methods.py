@@ -167,19 +167,30 @@ def size(graph: Graph) -> SimpleNamespace:
     return SimpleNamespace(**{name: recorder.recorded(getattr(step_size, name).python) for name in names})
 
 
-# t, length of the next step, next instant to stop at, and for equal steps: their start, number so far, number in all
-PLAN, PLANNED = ("t", "ahead", "stop", "base", "done", "count"), ("h", "t_new", "last", "short", "ahead")
+# t, length of the next step, next instant to stop at, and for equal steps: their start, number so far, number in all;
+# of contacts, see `lane_contacts`: a trip that takes no time, number of tries that were to end at one
+PLAN = ("t", "ahead", "stop", "base", "done", "count", "still", "landing")
+PLANNED = ("h", "t_new", "last", "short", "ahead")
+NEARLY = 1.000001  # a step that would end as near to a stop ends there
 
 
-def plan(method: Method, t_end: float) -> Recorded:
-    """PLAN: the step (PLANNED): length, end, flags: it ends at the stop; it is too short to be taken; `ahead`."""
-    graph, (t, ahead, stop, base, done, count) = inputs(len(PLAN))
+def plan(method: Method, t_end: float, contacts: bool = False) -> Recorded:
+    """PLAN: the step (PLANNED): length, end, flags: it ends at the stop; it is too short to be taken; `ahead`.
+
+    contacts: whether lanes land at contacts.
+    """
+    graph, (t, ahead, stop, base, done, count, still, landing) = inputs(len(PLAN))
     if not method.adaptive:
         last = done + 1.0 >= count
         return graph, [ahead, select(last, stop, base + (done + 1.0) * ahead), last, 0.0, ahead]
-    last = t + 1.000001 * ahead >= stop
+    last = t + (select(landing > 0.0, 1.0, NEARLY) if contacts else NEARLY) * ahead >= stop
     h = select(last, stop - t, ahead)
     short = (h <= SHORTEST * abs(t)) | (h <= SHORTEST_OF_RUN * t_end) | apply("not", t + h > t)
+    if not contacts:
+        return graph, [h, select(last, stop, t + h), last, short, ahead]
+    moves = apply("not", still > 0.0)  # a contact may end a step just before a stop
+    last, short = last & moves, short & moves & apply("not", last)
+    h = select(moves, h, 0.0)
     return graph, [h, select(last, stop, t + h), last, short, ahead]
 
 

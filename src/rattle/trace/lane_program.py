@@ -14,8 +14,10 @@ from rattle.trace import lane_methods as methods
 from rattle.trace.graph import Graph
 from rattle.trace.lane_aside import results
 from rattle.trace.lane_chain import Chain, Function, one_by_one
+from rattle.trace.lane_contacts import Meets, Tile, meet, middle
 from rattle.trace.lane_control import Stops, settle
 from rattle.trace.lane_methods import Method, Tolerances
+from rattle.trace.lane_rows import laid_out
 from rattle.trace.reductions import Energies, Ledger, Reduction
 
 Compile = Callable[[Graph, Sequence[Operand]], Function]  # of a graph of exact operations
@@ -49,6 +51,7 @@ class Model(NamedTuple):
     watch: Function | None = None  # as rate, then the curves of these numbers
     watched: tuple[int, ...] = ()
     arrive: Function | None = None  # project, then rate and outputs of the state that it gives, which share operations
+    meets: Meets | None = None  # contacts; then `arrive` ends with `Ends`, and constants begin with the first of `Touch`
 
 
 class Program:
@@ -79,7 +82,13 @@ class Program:
         within = self.later if ledger.sampled else ()  # those of every step
         self.evaluations = method.stages + len(within)  # of the right-hand side in a step
         self.stages = {s: compile(*methods.stage(method, s)) for s in (*range(1, method.stages), *later)}
-        self.plan = compile(*methods.plan(method, t_end))
+        self.rows = laid_out(model, method, ledger)
+        self.plan = compile(*methods.plan(method, t_end, model.meets is not None))
+        if model.meets is not None:
+            watched = len(ledger.watched)
+            tile = Tile(self.rows.places, self.rows.count)
+            self.middle = compile(*middle(method, model.ny, model.meets.nq, watched))
+            self.meet = compile(*meet(tile, model.meets, method, model.ny, watched))
         self.end = compile(*methods.end(method, tolerances))
         self.judge = compile(*methods.judge(method, tolerances, model.ny, model.controlled, model.motion))
         self.dense, self.inside = compile(*methods.dense(method, ledger.samples)), compile(*methods.inside(method))
@@ -92,7 +101,7 @@ class Program:
             self.first_step = compile(*methods.first_step(method, tolerances, model.ny, model.motion, t_end))
         self.start, self.close = compile(*ledger.start()), compile(*ledger.close())
         stops = Stops(self.stops.tolist(), [float(n) for n in counts], lengths)
-        self.settle = compile(*settle(ledger, stops, method.adaptive, most_steps))
+        self.settle = compile(*settle(ledger, stops, method.adaptive, most_steps, model.meets))
         if ledger.watched:
             self.aside = compile(*results(ledger, method, model.ny, self.later))
 

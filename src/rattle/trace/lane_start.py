@@ -25,6 +25,7 @@ class Stock:
         self.y, self.rate, self.constants = self._try[:ny], self._try[ny : 2 * ny], self._state[1 + ny :]
         self.curves = np.zeros((model.curves + 1, n))
         self.rows = np.zeros((program.ledger.rows, n))
+        self.touch = np.zeros((0 if model.meets is None else model.meets.touch_rows, n))  # see `lane_contacts.Touch`
         self._first = np.zeros((1, n))
         self.ahead = self._first[0]
 
@@ -50,14 +51,30 @@ class Stock:
             program.first_step(tried[: 3 * ny + 4], self._first)
         else:
             self.ahead[:] = program.lengths[0]
+        apart = self._touch()
         held = program.ledger.sound_row
         accounted = np.ones(self.n, dtype=bool) if held is None else self.rows[held] != 0.0
         status = np.select(
-            [~np.asarray(sound, dtype=bool), ~fits, ~finite, ~accounted],
-            [Status.START, Status.ASSUMPTION, Status.NOT_FINITE, Status.ENERGY],
+            [~np.asarray(sound, dtype=bool), ~fits, ~finite, ~accounted, ~apart],
+            [Status.START, Status.ASSUMPTION, Status.NOT_FINITE, Status.ENERGY, Status.CONTACTS],
             Status.DONE,
         )
         return status[:k]
+
+    def _touch(self) -> np.ndarray:
+        """Contacts at the start, which are open; (n,) True where all gaps are."""
+        program, meets = self.program, self.program.model.meets
+        if meets is None:
+            return np.ones(self.n, dtype=bool)
+        count, ny = meets.count, program.model.ny
+        state = self._state.copy()
+        state[0], state[1 : 1 + ny] = 0.0, self.y
+        ends = np.zeros((meets.end_rows, self.n))
+        meets.touched(state, ends)
+        self.touch[:] = 0.0
+        self.touch[2 * count : 4 * count] = ends[: 2 * count]
+        self.touch[-1] = -np.inf  # no contact has turned yet
+        return np.asarray((ends[:count] > 0.0).all(axis=0))
 
     @property
     def evaluations(self) -> int:

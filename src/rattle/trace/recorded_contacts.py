@@ -23,6 +23,8 @@ from rattle.trace.graph import Graph, Symbol, both, select
 from rattle.trace.recorded_language import Copies
 from rattle.value_types import Plain
 
+FIRST_DEPTH = 2.0**-20  # from which that is looked for where a contact turns back [m or rad]
+ROUNDS, SHARE_OF_DOUBLINGS = 7, 0.5  # of the energy that the depth takes: its force grows about linearly
 NEWTON = 0.0  # see the choices of `restitution_law`
 SHALLOW = 1e-30  # least depth for which laws are computed: a step may end beyond that of a contact [m or rad]
 APART = 1e-3  # depth with which the laws of an open contact are computed, and left aside [m or rad]
@@ -81,7 +83,7 @@ class RecordedContacts:
         for n, joint in enumerate(self.joints):
             for column, words, has in UNABLE:
                 if has(self.table[n, column]):
-                    raise TraceError(f"contacts with {words} (joint {joint}) cannot be followed by derivatives")
+                    raise TraceError(f"contacts with {words} (joint {joint}) cannot be straight-line code")
         self.shut = [graph.input() for _ in self.joints]
         self.speed = [graph.input() for _ in self.joints]
         self.is_shut = [shut > 0.5 for shut in self.shut]
@@ -138,7 +140,7 @@ class RecordedContacts:
                 kernel(m, n, *more)
             except TraceError:
                 raise TraceError(
-                    f"{what} of the contacts in {self.joints[n]} branches, which derivatives cannot follow"
+                    f"{what} of the contacts in {self.joints[n]} branches, which straight-line code cannot follow"
                 ) from None
 
         return call
@@ -154,10 +156,28 @@ class RecordedContacts:
                 for place in np.ndindex(array.shape):
                     array[place] = select(shut, array[place] + response[place] * force, array[place])
 
+    def lasting(self, m: SimpleNamespace) -> list[Operand]:
+        """How long contacts that have just begun will last about [s], as `compliant.contact_duration`; 0: unknown."""
+        return [0.0 if rigid else self._lasting(m, n) for n, rigid in enumerate(self.rigid)]
+
+    def _lasting(self, m: SimpleNamespace, n: int) -> Operand:
+        q = 2 if m.lever[n, at.ANGULAR] > 0.0 else 0
+        masses = [m.mass[m.contact[n, end], q] for end in (at.A_BODY, at.B_BODY)]
+        light: Operand = 0.0
+        for mass in masses:  # 0 of the ground
+            light = mass if _is_zero(light) else light if _is_zero(mass) else select(mass < light, mass, light)
+        law, p, speed = m.stiffness_table[m.contact[n, at.STATIC]], m.contact[n, at.STATIC_P], self.speed[n]
+        depth: Operand = FIRST_DEPTH
+        for _ in range(ROUNDS):
+            force = _positive_force(law, (_positive(depth), m.values, p))
+            doublings = self.graph.apply("exponent", light * speed * speed / (force * depth))
+            depth = depth * self.graph.apply("power_of_two", self.graph.apply("floor", SHARE_OF_DOUBLINGS * doublings))
+        return select(speed > 0.0, 3.0 * depth / speed, 0.0)
+
     def impacts(self, m: SimpleNamespace, y: np.ndarray) -> dict[int, list[Impact]]:
         """What impacts of rigid contacts do at the state y (ny,) for which the equations of motion stand in m."""
         if m.massless.shape[0] > 0:
-            raise TraceError("impacts beside bodies without mass cannot be followed by derivatives")
+            raise TraceError("impacts beside bodies without mass cannot be straight-line code")
         return {n: self._impact(m, y, n) for n in np.flatnonzero(self.rigid).tolist()}
 
     def _impact(self, m: SimpleNamespace, y: np.ndarray, n: int) -> list[Impact]:
@@ -216,6 +236,10 @@ class RecordedContacts:
         state[account + IMPULSE] = state[account + IMPULSE] + normal
         state[driven] = state[driven] + gained - work
         return state
+
+
+def _is_zero(x: Operand) -> bool:
+    return not isinstance(x, Symbol) and bare(x) == 0.0
 
 
 def _response(

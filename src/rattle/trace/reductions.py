@@ -31,11 +31,22 @@ MARGIN = 0.5  # by which a curve may be above what stages and ends show of it, a
 
 
 class Reduction(NamedTuple):
-    """One number per run from one curve; `share` and `first` ask where the curve is positive."""
+    """One number per run from one curve, or of contacts; `share` and `first` ask where the curve is positive."""
 
     kind: str  # a name of KINDS
-    curve: int
+    curve: int  # -1 of OF_CONTACTS
     t: float = 0.0  # [s] of `at`
+    contacts: tuple[int, ...] = ()  # of OF_CONTACTS, in the order of those that begin at once
+    number: int = 0  # of the contact asked for, from 1
+
+
+class Touches(NamedTuple):
+    """What one step says of contacts."""
+
+    begins: list[Flag]  # at its end
+    speeds: list[Operand]  # approach speeds there [m/s or rad/s]
+    shut: list[Flag]  # in it
+    peaks: dict[int, Operand]  # largest forces in it of those that are asked for [N or N m]
 
 
 class Step(NamedTuple):
@@ -43,6 +54,7 @@ class Step(NamedTuple):
 
     h: Operand  # [s]
     t: Operand  # start [s]
+    end: Operand  # [s]
     stop: Operand  # number of the instant that it ends at, if it does
     lands: Flag  # a flag: it does
     curves: list[list[Operand]]  # (curves, samples)
@@ -50,6 +62,7 @@ class Step(NamedTuple):
         int, tuple[Operand, Operand]
     ]  # by condition: sum of shares where it begins less where it ends; first begin
     seen: dict[int, tuple[Operand, Operand]]  # by watched curve: its least and largest value in the stages that see it
+    touches: Touches | None = None
 
 
 # ---------------------------------------------------------------- trackers: rows that a step changes
@@ -212,14 +225,51 @@ class Energies:
         return [kinetic, low, high, work, select(sound, 1.0, 0.0)]
 
 
-Tracker = Highest | Screened | Aside | Moment | Reading | Lasting | Beginning | Energies
+@dataclass(frozen=True)
+class Numbered:
+    """Of the contact with this number: its begin [s], approach speed or largest force, nan before it; 0 counts them.
+
+    Rows: contacts so far, the value, and 1 + that of the contacts whose largest force is looked for.
+    """
+
+    kind: str  # one of OF_CONTACTS
+    contacts: tuple[int, ...]
+    number: int
+    rows = 3
+
+    def start(self, curves: Sequence[Operand]) -> list[Operand]:
+        """Rows at t = 0."""
+        return [0.0, math.nan, 0.0]
+
+    def step(self, held: Sequence[Operand], step: Step) -> list[Operand]:
+        """Rows at the end of the step."""
+        assert step.touches is not None
+        touches, (count, value, who) = step.touches, held
+        if self.kind == "peak":
+            for n in self.contacts:
+                mine = touches.shut[n] & apply("equal", who, 1.0 + n)
+                value = select(mine, largest(touches.peaks[n], value), value)
+        for n in self.contacts:
+            begins = touches.begins[n]
+            count = count + select(begins, 1.0, 0.0)
+            this = begins & apply("equal", count, float(self.number))
+            new = {"time": step.end, "speed": touches.speeds[n], "peak": 0.0, "count": 0.0}[self.kind]
+            value = select(this, new, value)
+            other = begins & apply("equal", who, 1.0 + n)
+            who = select(this, 1.0 + n, select(other, 0.0, who))
+        return [count, value, who]
+
+
+Tracker = Highest | Screened | Aside | Moment | Reading | Lasting | Beginning | Energies | Numbered
 
 
 # ---------------------------------------------------------------- results from rows
 def _value(
     kind: str, curve: int, instant: int, rows: Callable[[Tracker], Sequence[Operand]], t_end: float,
-    highest: Callable[[int, float], Tracker],
+    highest: Callable[[int, float], Tracker], contacts: tuple[int, ...], number: int,
 ) -> Operand:  # fmt: skip
+    if kind in OF_CONTACTS:
+        return rows(Numbered(kind, contacts, number))[0 if kind == "count" else 1]
     if kind in ("at", "final"):
         return rows(Reading(curve, instant))[0]
     if kind == "share":
@@ -243,7 +293,8 @@ def _value(
 
 
 SAMPLED = ("max", "min", "range", "mean", "integral", "rms", "sd", "share", "first")  # need samples inside of steps
-KINDS = (*SAMPLED, "at", "final")
+OF_CONTACTS = ("time", "speed", "peak", "count")
+KINDS = (*SAMPLED, "at", "final", *OF_CONTACTS)
 CONDITIONS = ("share", "first")
 EXTREMES = ("max", "min", "range")
 MOST_EXTREMES = 6  # with more of them most steps can hold one, and it is faster to sample all
@@ -268,7 +319,8 @@ class Ledger:
         """stops: instants at which steps end [s], the last one is the end; samples: parts of a step that end at them;
         shown: curves that stages show."""
         for reduction in reductions:
-            if reduction.kind not in KINDS or not 0 <= reduction.curve < curves:
+            known = reduction.kind in OF_CONTACTS or 0 <= reduction.curve < curves
+            if reduction.kind not in KINDS or not known:
                 raise InputError(f"{reduction}: a kind of {', '.join(KINDS)} and a curve below {curves} expected")
         self.reductions, self.curves, self.stops = tuple(reductions), curves, tuple(stops)
         needed = watched(reductions)
@@ -337,7 +389,10 @@ class Ledger:
             symbols.append(graph.input())
         highest = Screened if self.watched else Highest
         values = [
-            _value(reduction.kind, reduction.curve, self._instant(reduction), rows, self.stops[-1], highest)
+            _value(
+                reduction.kind, reduction.curve, self._instant(reduction), rows, self.stops[-1], highest,
+                reduction.contacts, reduction.number,
+            )
             for reduction in self.reductions
         ]
         return graph, values

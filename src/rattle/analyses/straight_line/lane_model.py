@@ -13,16 +13,20 @@ from rattle.analyses.straight_line.recorded_start import driven_bodies
 from rattle.analyses.straight_line.starts import Starts
 from rattle.equations.state import state_layout
 from rattle.jit.choices import TINY
-from rattle.language.recorded import Operand
+from rattle.language.recorded import Operand, symbol_of
 from rattle.language.syntax import Apply, Name, Node, Number, walk
-from rattle.results.reductions import OF_EVENTS, Output, argument
+from rattle.results.reductions import EVENTS_OF_CONTACT, OF_EVENTS, Output, argument
 from rattle.trace import reductions
 from rattle.trace.copying import replaced
 from rattle.trace.elementary import lower
+from rattle.trace.derivative import tangent
+from rattle.trace.graph import Graph, Symbol
 from rattle.trace.hoist import hoist
+from rattle.trace.lane_chain import Function
+from rattle.trace.lane_contacts import Meets, Row
 from rattle.trace.lane_program import Compile, Model, filled
 from rattle.trace.recording import operation
-from rattle.trace.reductions import CONDITIONS, EXTREMES, KINDS, SAMPLED, Reduction
+from rattle.trace.reductions import CONDITIONS, EXTREMES, KINDS, OF_CONTACTS, SAMPLED, Reduction
 
 ENERGY = ("kinetic", "potential", "work", "dissipated", "balance")
 JUMPS = ("sign", "step", "floor", "mod", "choose", "if<", "if<=", "if>", "if>=")  # operations whose curves may jump
@@ -37,11 +41,13 @@ class Asked:
         self.model, self.outputs = model, outputs
         self.curves: list[Operand] = []
         self.reductions: list[Reduction] = []
-        self._places: dict[tuple[str, int, float], int] = {}
+        self._places: dict[Reduction, int] = {}
         self.rows = [[self._row(reduction) for reduction in output.reductions] for output in outputs]
 
     def _row(self, reduction: Any) -> int:
         """The row of the values that holds a reduction."""
+        if reduction.kind in OF_CONTACTS:
+            return self._place(Reduction(reduction.kind, -1, 0.0, contacts_of(self.model, reduction), reduction.number))
         symbol = expression(self.model, reduction.inner)
         if reduction.kind in ("share", "first") and not reduction.strict:
             symbol = self.model.graph.apply("select", symbol >= 0.0, symbol + TINY, symbol)
@@ -50,11 +56,23 @@ class Asked:
         if curve == len(self.curves):
             self.curves.append(symbol)
         t = argument(reduction, self.model.values) if reduction.kind == "at" else 0.0
-        key = (reduction.kind, curve, t)
-        if key not in self._places:
-            self._places[key] = len(self.reductions)
-            self.reductions.append(Reduction(*key))
-        return self._places[key]
+        return self._place(Reduction(reduction.kind, curve, t))
+
+    def _place(self, reduction: Reduction) -> int:
+        if reduction not in self._places:
+            self._places[reduction] = len(self.reductions)
+            self.reductions.append(reduction)
+        return self._places[reduction]
+
+
+def contacts_of(model: RecordedModel, reduction: Any) -> tuple[int, ...]:
+    """The contacts that a reduction of contacts asks for."""
+    assert model.contacts is not None
+    joint, _, word = reduction.inner.name.rpartition(".")
+    are = model.contacts.are
+    return tuple(
+        n for n, owner in enumerate(are.joints) if owner == joint and (word == "contacts" or bool(are.rigid[n]))
+    )
 
 
 def expression(model: RecordedModel, node: Node) -> Operand:
@@ -79,7 +97,10 @@ def why_not_lanes(output: Output, varied: Mapping[str, object]) -> str:
         return f"{output.text!r} compares with the mechanism without play"
     for reduction in output.reductions:
         if reduction.kind in OF_EVENTS:
-            return f"{output.text!r} asks for events, which stand in single runs"
+            word = reduction.inner.name.rpartition(".")[2] if isinstance(reduction.inner, Name) else ""
+            if reduction.kind not in OF_CONTACTS or word not in EVENTS_OF_CONTACT:
+                return f"{output.text!r} asks for events that only single runs tell"
+            continue
         if reduction.kind not in KINDS:
             return f"{reduction.kind}(...) needs a whole curve"
         if reduction.kind in EXTREMES and any(
@@ -137,14 +158,25 @@ def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, st
     energies = [model.curves[f"energy.{key}"] for key in ENERGY]
     curves = [*asked.curves, *energies]
     watched = reductions.watched(asked.reductions)
-    size = [ny + 1, ny + 1, len(curves) + 1]
-    exact, every = lower(graph, [*model.derivative, *model.projection, *curves, model.sound_curves])
-    rates, closed, rows = (every[sum(size[:n]) : sum(size[: n + 1])] for n in range(3))
-    there = replaced(exact, [*rates, *rows], dict(zip(exact.inputs[1:], closed[:-1], strict=False)))
-    parts = [rates, [*closed, *there], rows, *([[*rates, *(rows[n] for n in watched)]] if watched else [])]
-    early, prepared, late, outputs = hoist(exact, [x for part in parts for x in part], exact.inputs[1 + ny :])
-    ends = np.cumsum([0, *map(len, parts)])
-    rate, arrive, row, *watch = (compile_function(late, outputs[a:b]) for a, b in itertools.pairwise(ends))
+    met = _Met(model, asked)
+    size = [ny + 1, ny + 1, len(curves) + 1, len(met.ends), len(met.midway), len(met.levers)]
+    exact, every = lower(
+        graph,
+        [*model.derivative, *model.projection, *curves, model.sound_curves, *met.ends, *met.midway, *met.levers],
+    )
+    rates, closed, rows, ends, midway, levers = (every[sum(size[:n]) : sum(size[: n + 1])] for n in range(6))
+    there = replaced(exact, [*rates, *rows, *ends], dict(zip(exact.inputs[1:], closed[:-1], strict=False)))
+    parts = [rates, [*closed, *there], rows, ends, midway, levers]
+    if watched:
+        parts.append([*rates, *(rows[n] for n in watched)])
+    touch = exact.inputs[len(exact.inputs) - 1 - met.inputs : -1]
+    early, prepared, late, outputs = hoist(
+        exact, [x for part in parts for x in part], [x for x in exact.inputs[1 + ny :] if x not in touch]
+    )
+    places = np.cumsum([0, *map(len, parts)])
+    written = [outputs[a:b] for a, b in itertools.pairwise(places)]
+    rate, arrive, row, touched, half = (compile_function(late, part) for part in written[:5])
+    watch = [compile_function(late, part) for part in written[6:]]
     prepare = compile_function(early, prepared)
     energy = compile_function(*lower(graph, [energies[-1]]))
 
@@ -155,14 +187,56 @@ def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, st
         state[1 : 1 + ny], state[1 + ny : -1] = begun.y[:, fill], np.vstack([values, begun.constants])[:, fill]
         energy(state, first)
         state[-1] = first[0]
-        constants = np.empty((len(prepared), len(fill)))
-        prepare(state, constants)
+        constants = np.zeros((met.inputs + len(prepared), len(fill)))  # at the start all contacts are open
+        prepare(state, constants[met.inputs :])
         return begun.y, constants[:, :count], np.isfinite(begun.y).all(axis=0)
 
     first = len(asked.curves)
     own = state_layout(model.system).own_states
     controlled = (*range(6 * nb), *range(own.start, own.stop))
     return Model(
-        ny, len(prepared), len(curves), 6 * nb, controlled, begin, rate, None, row,
+        ny, met.inputs + len(prepared), len(curves), 6 * nb, controlled, begin, rate, None, row,
         (first, first + 1, first + 2, first + 3, first + 4), watch[0] if watch else None, watched, arrive,
+        met.meets(late, written[5], touched, half),
     )  # fmt: skip
+
+
+class _Met:
+    """What lanes need of the contacts of a model, on its symbols; nothing if there are none."""
+
+    def __init__(self, model: RecordedModel, asked: Asked) -> None:
+        self.model = model
+        self.levers: list[Operand] = []
+        self.ends: list[Operand] = []
+        self.midway: list[Operand] = []
+        self.inputs, self.peaks = 0, ()
+        if model.contacts is None:
+            return
+        are, functions = model.contacts.are, model.contacts
+        self.inputs = 2 * functions.count
+        self.levers = [symbol_of(x) for x in model.recorded.arrays["lever"].ravel()]
+        self.peaks = tuple(
+            sorted({n for reduction in asked.reductions if reduction.kind == "peak" for n in reduction.contacts})
+        )
+        normal = [functions.normal[n] for n in self.peaks]
+        flow = dict(zip(model.graph.inputs, [1.0, *model.derivative[:-1]], strict=False))
+        self.ends = [
+            *functions.gap, *functions.rate, *functions.across, *functions.lasting,
+            *normal, *tangent(model.graph, normal, flow),
+        ]  # fmt: skip
+        self.midway = [*functions.gap, *normal]
+
+    def meets(self, late: Graph, levers: Sequence[Operand], touched: Function, midway: Function) -> Meets | None:
+        """As lanes read it; late: the calculation of every step, levers: what stands for them there."""
+        if self.model.contacts is None:
+            return None
+        rows = {place: Row(n) for n, place in enumerate(late.inputs)}
+        values = [rows[x.place] if isinstance(x, Symbol) and x.op == "input" else _number(late, x) for x in levers]
+        table = self.model.system.arrays["contact"]
+        width = len(values) // len(table)
+        entries = [values[n * width : (n + 1) * width] for n in range(len(table))]
+        return Meets(table, entries, 3 * self.model.system.body_count, touched, midway, self.peaks)
+
+
+def _number(graph: Graph, x: Operand) -> float:
+    return graph.numbers[graph.place(x)]

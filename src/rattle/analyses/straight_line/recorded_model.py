@@ -53,6 +53,8 @@ class ContactFunctions:
     gap: list[Operand]  # [m or rad]
     rate: list[Operand]  # [m/s or rad/s]
     normal: list[Operand]  # force [N] or moment [N m] where it is shut
+    across: list[Operand]  # speeds of centres of pins across their normals [m/s]
+    lasting: list[Operand]  # how long it will last about, which has just begun [s]; 0: unknown
     impacts: dict[int, list[Impact]]  # of the rigid ones; of one that may last with its restitution, and without
 
     @property
@@ -178,8 +180,9 @@ def _record_contacts(
         return workspace, recorder.impacts(workspace, y)
 
     (workspace, impacts), _ = recording.guarded(measured)
-    gap, rate, normal = (list(workspace.contact_kinematics[:, column]) for column in (at.GAP, at.DGAP, at.NORMAL))
-    return ContactFunctions(met, gap, rate, normal, impacts)
+    kept = (at.GAP, at.DGAP, at.NORMAL, at.ACROSS)
+    gap, rate, normal, across = (list(workspace.contact_kinematics[:, column]) for column in kept)
+    return ContactFunctions(met, gap, rate, normal, across, met.lasting(workspace), impacts)
 
 
 def record_curves(recording: Recording, t: Operand, y: np.ndarray) -> tuple[dict[str, Operand], dict[str, str], Flag]:

@@ -137,7 +137,7 @@ def bounds(m, h, n):
     bend = linear + s_b * (wb * wb + alpha_b) + s_a * (wa * wa + alpha_a)
     bow_bend, speed = 0.0, 0.0
     w, alpha = (wb, alpha_b) if lever[n, at.WALLS_TURN] > 1.5 else (wa, alpha_a)
-    walls, bow, turning = lever[n, at.WALLS_TURN] > 0.0 and w + alpha > 0.0, lever[n, at.BOW], max(wa, wb)
+    walls, bow, turning = lever[n, at.WALLS_TURN] > 0.0, lever[n, at.BOW], max(wa, wb)
     if lever[n, at.ROUNDED] == OUTSIDE:
         bow += 1.0 / scale_of(m, n)
     if walls or bow > 0.0:

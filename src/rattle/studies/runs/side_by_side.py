@@ -16,7 +16,9 @@ from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.analyses.straight_line.starts import Starts
 from rattle.description.model import within_limits
+from rattle.equations.system import System
 from rattle.errors import TraceError
+from rattle.jit import layout as at
 from rattle.language import arrays
 from rattle.language.syntax import names
 from rattle.registry import kinds
@@ -55,7 +57,8 @@ class SideBySide:
         self.task = task
         method = usual_stepper(FREE) if task.analysis in DRIVEN or task.how.method is None else task.how.method
         _require_lanes(task, method)
-        self.model = task.mechanism.recorded(list(task.names))
+        touches = len(task.mechanism.system.arrays["contact"]) > 0
+        self.model = task.mechanism.recorded(list(task.names), contacts=touches)
         follow = {*task.names, *self.model.dependent}
         if why := next((why for output in task.outputs if (why := why_not_lanes(output, dict.fromkeys(follow)))), ""):
             raise TraceError(why)
@@ -114,11 +117,29 @@ def _require_lanes(task: Task, method: str) -> None:
         raise TraceError(f"{task.analysis} runs position by position")
     if why := next((why for output in task.outputs if (why := why_not_lanes(output, dict.fromkeys(task.names)))), ""):
         raise TraceError(why)
-    if tableau_of(kinds("stepper")[method]) is None:
+    tableau = tableau_of(kinds("stepper")[method])
+    if tableau is None:
         raise TraceError(f"'{task.how.method}' has no straight-line code")
+    _require_followed(task.mechanism.system, tableau.adaptive)
     if task.mechanism.system.switches:
         switching = ", ".join(sorted({switch.name for switch in task.mechanism.system.switches}))
         raise TraceError(f"steps must end where expressions switch ({switching})")
+
+
+def _require_followed(system: System, adaptive: bool) -> None:
+    """Raise TraceError for contacts that lanes cannot follow."""
+    contacts = zip(system.arrays["contact"], system.arrays["lever"], strict=True)
+    for entry, lever in contacts:
+        joint = system.joints[entry[at.OWNER]]
+        if not adaptive:
+            raise TraceError(f"steps of equal length do not end at contacts (joint {joint})")
+        for has, words in (
+            (entry[at.IMPACT] == 1, "rigid contacts"),
+            (entry[at.BY_FORCE] == 1, "contacts that end where their force does"),
+            (lever[at.ONE_WAY] > 0.0, "contacts that end at an end"),
+        ):
+            if has:
+                raise TraceError(f"{words} (joint {joint}) run one by one")
 
 
 def _program(model: RecordedModel, asked: Asked, task: Task, method: str) -> Program:

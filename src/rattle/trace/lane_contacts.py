@@ -1,0 +1,366 @@
+"""Contacts of lanes: where each begins and ends, found by steps that end there, and what they leave behind.
+
+A step counts only if it is proven that no contact begins or ends inside of it; else the lane tries a shorter one.
+Where a gap is beyond its zero at the end, the next try ends at the zero of a polynomial through what is known of the
+gap: values and rates at both ends, and the value midway.  A try that ends there to rounding counts, and the contact
+turns.  The next trip of the lane takes no time: it finds what holds from there on.
+
+The proof is that of `solvers.contacts.gap_search`, with the same bounds, and with one sample midway instead of many.
+Its polynomial is written in Bernstein's form, which shows signs even where it starts or ends at zero.
+
+Source: Farouki, The Bernstein polynomial basis, Computer Aided Geometric Design 29 (2012) 379-419.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle.jit import layout as at
+from rattle.language.recorded import Flag, Operand
+from rattle.solvers.contacts import gap_search
+from rattle.solvers.contacts.contact_events import AFTER_CONTACT, FIRST_STEP
+from rattle.trace.graph import Symbol, apply, both, select
+from rattle.trace.lane_chain import Function
+from rattle.trace.lane_methods import Method, Recorded, inputs, largest, least, root
+from rattle.trace.peak import peak
+from rattle.trace.recording import Recorder
+from rattle.trace.reductions import Touches
+
+LANE = ("closing", "hit length", "free length", "turns", "turned at")  # of a lane, whatever contact it is
+SHARP = 1e-9  # share of the step that first went beyond a contact by which the instant of the contact may be missed
+SOON = 0.1  # share of that step within which a contact is landed on that was not reached
+NEWTON = 6  # iterations for a zero of a polynomial; a try that misses it is followed by another one
+SHORT_OF = 1.0 - 1e-10  # largest share of a step to land at: shorter than the step
+CAUTION = 0.7  # share of the longest step that a bound allows which is tried next
+LEAST_SHARE, MOST_SHARE = 0.2, 0.5  # of a step in doubt that is tried next
+HALVINGS = 2  # of a polynomial whose sign is asked for
+MOST_LANDINGS, MOST_TURNS = 200, 60  # tries that do not land; turns at one instant
+AT_ONCE = 1e-13  # share of the time within which turns are at one instant
+FAR = 1e300
+
+
+class Row(NamedTuple):
+    """A number that differs from sample to sample: a row of the state."""
+
+    place: int
+
+
+class Meets(NamedTuple):
+    """The contacts of a model, n of them, as lanes follow them."""
+
+    table: np.ndarray  # (n, columns) of the system
+    lever: Sequence[Sequence[float | Row]]  # (n, columns) of the system
+    nq: int  # positions in a state
+    touched: Function  # of a state: what ENDS says
+    midway: Function  # of a state: gaps, then forces of those whose peaks are asked for
+    peaks: tuple[int, ...]  # contacts whose largest forces are asked for
+
+    @property
+    def count(self) -> int:
+        """Number of contacts."""
+        return len(self.table)
+
+    @property
+    def touch_rows(self) -> int:
+        """Rows that a lane keeps, see `Touch`."""
+        return 4 * self.count + 2 * len(self.peaks) + len(LANE)
+
+    @property
+    def end_rows(self) -> int:
+        """Rows that tell of the end of a step, see `Ends`."""
+        return 4 * self.count + 2 * len(self.peaks)
+
+    @property
+    def midway_rows(self) -> int:
+        """Rows that tell of its middle."""
+        return self.count + len(self.peaks)
+
+    @property
+    def met_rows(self) -> int:
+        """Rows that `meet` writes, see `Met`."""
+        return 4 + self.count + len(self.peaks)
+
+
+class Touch:
+    """Rows of a lane: shut (0 or 1) and approach speed of its contacts; gap and rate of each at the start of a step;
+    forces and their rates likewise, of those whose peaks are asked for; LANE."""
+
+    def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
+        n, p = meets.count, len(meets.peaks)
+        self.shut, self.speed, self.gap, self.rate = (list(rows[k * n : (k + 1) * n]) for k in range(4))
+        self.force, self.change = list(rows[4 * n : 4 * n + p]), list(rows[4 * n + p : 4 * n + 2 * p])
+        self.lane = dict(zip(LANE, rows[4 * n + 2 * p :], strict=True))
+
+    @property
+    def rows(self) -> list[Operand]:
+        """All of them in order."""
+        return [*self.shut, *self.speed, *self.gap, *self.rate, *self.force, *self.change, *self.lane.values()]
+
+
+class Ends:
+    """At the end of a step: gaps, their rates, speeds across the normal, how long contacts will last about [s], by
+    contact; forces and their rates, of those whose peaks are asked for."""
+
+    def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
+        n, p = meets.count, len(meets.peaks)
+        self.gap, self.rate, self.across, self.lasting = (list(rows[k * n : (k + 1) * n]) for k in range(4))
+        self.force, self.change = rows[4 * n : 4 * n + p], rows[4 * n + p :]
+
+
+class Met:
+    """What a step says of contacts: it is cut, and how long the next try is; it is cut as it went beyond a contact;
+    time from its end to the next contact, about; contacts turn at its end; largest forces in it."""
+
+    def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
+        self.cut, self.ahead, self.hit, self.due = rows[:4]
+        self.near, self.peaks = rows[4 : 4 + meets.count], rows[4 + meets.count :]
+
+
+# ---------------------------------------------------------------- the gap in a step
+class _Curve:
+    """A curve over a step: the quartic with these values and changes per step at the ends, and the value midway."""
+
+    def __init__(self, left: Operand, slope_left: Operand, middle: Operand, right: Operand, slope_right: Operand):
+        self.ends, self.slopes = (left, right), (slope_left, slope_right)
+        cubic = 0.5 * (left + right) + 0.125 * (slope_left - slope_right)
+        self.missed = middle - cubic  # of the cubic through the ends
+        c2 = 3.0 * (right - left) - 2.0 * slope_left - slope_right
+        c3 = 2.0 * (left - right) + slope_left + slope_right
+        bulge = 16.0 * self.missed
+        self.powers = [left, slope_left, c2 + bulge, c3 - 2.0 * bulge, bulge]
+
+    def value(self, s: Operand) -> Operand:
+        """At the share s of the step."""
+        total = self.powers[-1]
+        for c in reversed(self.powers[:-1]):
+            total = total * s + c
+        return total
+
+    def slope(self, s: Operand) -> Operand:
+        """Change per step there."""
+        total: Operand = 4.0 * self.powers[4]
+        for k in (3, 2, 1):
+            total = total * s + float(k) * self.powers[k]
+        return total
+
+    def lowest(self, margin: Operand) -> Operand:
+        """A number below all values of the cubic, less a margin midway and a share of it elsewhere."""
+        (left, right), (rises, ends) = self.ends, self.slopes
+        middle = 0.5 * (left + right) + (rises - ends) / 6.0 - (16.0 / 6.0) * margin
+        pieces = [[left, left + 0.25 * rises, middle, right - 0.25 * ends, right]]
+        for _ in range(HALVINGS):
+            pieces = [half for piece in pieces for half in _halves(piece)]
+        low: Operand = FAR
+        for piece in pieces:
+            for x in piece:
+                low = least(low, x)
+        return low
+
+    def zero(self) -> Operand:
+        """About where it falls through zero first, below zero at its end: a share of the step."""
+        (left, right), (rises, ends) = self.ends, self.slopes
+        secant = least(largest(left / largest(left - right, at_least()), 1e-3), 1.0)
+        s = select(rises > 0.0, select(ends < 0.0, 1.0, 0.5), secant)
+        for _ in range(NEWTON):
+            slope = self.slope(s)
+            new = s - self.value(s) / select(slope < 0.0, slope, -FAR)
+            s = least(largest(new, 0.5 * s), 0.5 + 0.5 * s)
+        return least(s, SHORT_OF)
+
+
+def at_least() -> float:
+    """What keeps quotients finite."""
+    return 1.0 / FAR
+
+
+def _halves(b: Sequence[Operand]) -> tuple[list[Operand], list[Operand]]:
+    """Coefficients of the two halves of a polynomial in Bernstein's form, by de Casteljau."""
+    left, right, rest = [b[0]], [b[-1]], list(b)
+    while len(rest) > 1:
+        rest = [0.5 * (x + y) for x, y in zip(rest, rest[1:], strict=False)]
+        left.append(rest[0])
+        right.append(rest[-1])
+    return left, right[::-1]
+
+
+# ---------------------------------------------------------------- functions of a trip
+def middle(method: Method, ny: int, nq: int, watched: int) -> Recorded:
+    """Blocks as in `checks` up to the last stage: t and y midway, positions by the quintic, rates by its slope."""
+    size = ny + 2 + watched
+    graph, row = inputs((4 + method.stages) * size)
+    end, step, start, first, last = (row[k * size : (k + 1) * size] for k in (0, 1, 2, 3, 3 + method.stages))
+    h, state = step[0], [start[0] + 0.5 * step[0]]
+    for i in range(1, 1 + ny):
+        y0, y1, f0, f1 = start[i], end[i], first[i], last[i]
+        if i <= nq:
+            bends = first[nq + i] + last[nq + i]
+            state.append(0.5 * (y0 + y1) + h * (0.15625 * (f0 - f1) + h * (0.015625 * bends)))
+        elif i <= 2 * nq:
+            mean = select(h > 0.0, (end[i - nq] - start[i - nq]) / h, y0)
+            state.append(1.875 * mean - 0.4375 * (y0 + y1) + 0.03125 * h * (f1 - f0))
+        else:
+            state.append(0.5 * (y0 + y1) + 0.125 * h * (f0 - f1))
+    return graph, state
+
+
+class Tile(NamedTuple):
+    """Where groups of rows stand in a tile."""
+
+    places: dict[str, slice]
+    count: int
+
+
+def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Recorded:
+    """All rows of a tile: the rows of `Met`."""
+    graph, row = inputs(tile.count)
+    group = {name: row[place] for name, place in tile.places.items()}
+    touch, ends = Touch(meets, group["touch"]), Ends(meets, group["ends"])
+    h, still = group["planned"][0], group["control"][-2]
+    landing, reach = group["control"][-1] > 0.0, touch.lane["hit length"]
+    recorder = Recorder(graph)
+    m = _step_arrays(tile, meets, method, ny, watched, row)
+    bounds, sweep, rounding = (
+        recorder.recorded(f.python) for f in (gap_search.bounds, gap_search.sweep, gap_search.rounding)
+    )
+    hit, doubt, short, theta, due, near = False, False, h, FAR, FAR, []
+    for n in range(meets.count):
+        shut = touch.shut[n] > 0.5
+        side = select(shut, -1.0, 1.0)
+        gap, rate, end, end_rate = (side * x[n] for x in (touch.gap, touch.rate, ends.gap, ends.rate))
+        m.contact_kinematics[n, at.ACROSS] = ends.across[n]
+        curve = _Curve(gap, h * rate, side * group["midway"][n], end, h * end_rate)
+        bend, _, turning, _ = bounds(m, h, n)
+        turns, distance = sweep(m, n, bend, h, select(shut, 0.0, largest(gap, end)))
+        bent = bend + turns * turns * distance
+        wide, slight = largest(turning, turns) * h, rounding(m, n)
+        close = largest(slight, select(landing, SHARP * reach * abs(end_rate), 0.0))
+        arrives = (end_rate < 0.0) & (abs(end) <= close)
+        low = least(gap, 0.0) - select(arrives, close, slight)
+        beyond = 0.03125 * bent * (wide * h) ** 2 / 12.0  # = bent (wide h)^2 / 384
+        proven = (wide <= gap_search.WHOLE_TURN) & (
+            curve.lowest(abs(curve.missed) - curve.missed + beyond) >= low
+        )
+        chord = least(gap, end) - 0.125 * select(shut, bent, bend) * h * h >= low
+        free = proven | chord | (abs(rate + end_rate) >= bent * h)
+        below = end < low
+        hit, doubt = hit | below, doubt | apply("not", free)
+        theta = select(below, least(theta, curve.zero()), theta)
+        allowed = CAUTION * root(8.0 * largest(least(gap, end) - low, at_least()) / largest(bent, at_least()))
+        tried = least(MOST_SHARE * h, largest(allowed, LEAST_SHARE * h))
+        short = select(free, short, least(short, tried))
+        due = select(end_rate < 0.0, least(due, largest(-end / select(end_rate < 0.0, end_rate, -1.0), 0.0)), due)
+        near.append(arrives)
+    moves = apply("not", still > 0.0)
+    cut = moves & (hit | doubt)
+    turned = [_one(both(graph, [moves, apply("not", hit | doubt), flag])) for flag in near]
+    forces = [
+        peak([
+            _Curve(touch.force[k], h * touch.change[k], group["midway"][meets.count + k], ends.force[k],
+                   h * ends.change[k]).value(0.25 * part)
+            for part in range(5)
+        ])
+        for k in range(len(meets.peaks))
+    ]  # fmt: skip
+    return graph, [_one(cut), select(hit, theta * h, short), _one(hit), due, *turned, *forces]
+
+
+def _one(on: Flag) -> Operand:
+    return select(on, 1.0, 0.0)
+
+
+def _step_arrays(
+    tile: Tile, meets: Meets, method: Method, ny: int, watched: int, row: Sequence[Symbol]
+) -> SimpleNamespace:
+    """What `gap_search` reads of a step."""
+    size, blocks, state = ny + 2 + watched, row[tile.places["blocks"]], row[tile.places["state"]]
+    block = [blocks[k * size + 1 : k * size + 1 + ny] for k in range(4 + method.stages)]
+    levers = [[state[x.place] if isinstance(x, Row) else x for x in entry] for entry in meets.lever]
+    stepper = np.zeros(at.width("stepper"), dtype=int)
+    stepper[at.SLOPES] = method.stages + 1
+    return SimpleNamespace(
+        contact=meets.table, lever=np.array(levers, dtype=object), change=np.zeros(meets.nq), stepper=stepper,
+        state=np.array(block[2], dtype=object), state_new=np.array(block[0], dtype=object),
+        slopes=np.array(block[3:], dtype=object),
+        contact_kinematics=np.zeros((meets.count, at.width("contact_kinematics")), dtype=object),
+    )  # fmt: skip
+
+
+# ---------------------------------------------------------------- what comes of it
+class Turned(NamedTuple):
+    """What a lane goes on with."""
+
+    touch: list[Operand]
+    ahead: Operand  # the step to try next [s]
+    still: Operand  # 1: no time passes in the next trip
+    landing: Operand  # number of tries that were to end at a contact
+    lost: Flag  # a flag: the lane does not get on
+
+
+def turn(meets: Meets, touch: Touch, ends: Ends, met: Met, planned: Sequence[Operand], flags: Lane) -> Turned:
+    """What a step of length h [s] to t leaves of its contacts."""
+    h, t = planned[0], planned[1]
+    good, still = flags.good, flags.still
+    near = [x > 0.0 for x in met.near]
+    shut = [x > 0.5 for x in touch.shut]
+    begins = [n & apply("not", s) for n, s in zip(near, shut, strict=True)]
+    turns: Flag = False
+    closes: Flag = False
+    for n, begin in zip(near, begins, strict=True):
+        turns, closes = turns | n, closes | begin
+    turns = turns & good
+    lane, landing = touch.lane, flags.landing
+    reach = select(landing > 0.0, lane["hit length"], h)
+    cut, hit = flags.fits & (met.cut > 0.0), flags.fits & (met.hit > 0.0)
+    comes = (landing > 0.0) & good & apply("not", turns | still) & (met.due <= SOON * lane["hit length"])
+    free = select(turns & closes, largest(reach, 0.5 * lane["free length"]), lane["free length"])
+    lasting: Operand = FAR
+    for s, x in zip(shut, ends.lasting, strict=True):
+        lasting = select(s & (x > 0.0), least(lasting, x), lasting)
+    first = select(lane["closing"] > 0.0, least(flags.kept, FIRST_STEP * lasting), flags.kept)
+    after = select(closes, reach, largest(reach, AFTER_CONTACT * lane["free length"]))
+    ahead = select(cut, met.ahead, flags.ahead)
+    ahead = select(comes, met.due, ahead)
+    ahead = select(turns, after, select(still, first, ahead))
+    again = (t - lane["turned at"]) <= AT_ONCE * t
+    count = select(turns, select(again, lane["turns"] + 1.0, 1.0), lane["turns"])
+    landings = select(turns | still, 0.0, select((hit & cut) | comes, landing + 1.0, 0.0))
+    values = {
+        "closing": select(turns, _one(closes), select(still, 0.0, lane["closing"])),
+        "hit length": select(hit & cut & (landing <= 0.0), h, lane["hit length"]), "free length": free,
+        "turns": count, "turned at": select(turns, t, lane["turned at"]),
+    }  # fmt: skip
+
+    def moved(new: Sequence[Operand], old: Sequence[Operand]) -> list[Operand]:
+        return [select(good, a, b) for a, b in zip(new, old, strict=True)]
+
+    state = [
+        *(select(good & n, 1.0 - x, x) for n, x in zip(near, touch.shut, strict=True)),
+        *(select(good & b, largest(-r, 0.0), x) for b, r, x in zip(begins, ends.rate, touch.speed, strict=True)),
+        *moved(ends.gap, touch.gap), *moved(ends.rate, touch.rate),
+        *moved(ends.force, touch.force), *moved(ends.change, touch.change),
+        *(values[name] for name in LANE),
+    ]  # fmt: skip
+    lost = (landings > float(MOST_LANDINGS)) | (count > float(MOST_TURNS))
+    return Turned(state, ahead, _one(turns), landings, lost)
+
+
+def touches_of(meets: Meets, touch: Touch, ends: Ends, met: Met) -> Touches:
+    """What a step tells the reductions of contacts."""
+    shut = [x > 0.5 for x in touch.shut]
+    begins = [(n > 0.0) & apply("not", s) for n, s in zip(met.near, shut, strict=True)]
+    return Touches(begins, [-x for x in ends.rate], shut, dict(zip(meets.peaks, met.peaks, strict=True)))
+
+
+class Lane(NamedTuple):
+    """What else is known of a lane after a trip."""
+
+    good: Flag  # its step counts
+    fits: Flag  # its error is small enough
+    still: Flag  # it took no time
+    landing: Operand
+    ahead: Operand  # the step that its error allows next [s]
+    kept: Operand  # that which was to follow
