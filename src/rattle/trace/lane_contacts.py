@@ -5,8 +5,9 @@ Where a gap is beyond its zero at the end, the next try ends at the zero of a po
 gap: values and rates at both ends, and the value midway.  A try that ends there to rounding counts, and the contact
 turns.  The next trip of the lane takes no time: it finds what holds from there on.
 
-The proof is that of `solvers.contacts.gap_search`, with the same bounds, and with one sample midway instead of many.
-Its polynomial is written in Bernstein's form, which shows signs even where it starts or ends at zero.
+The proof takes the bounds of `solvers.contacts.gap_search`: the chord, a rate that cannot turn, or a polynomial.  Its
+polynomial, a quartic, is off by the fifth derivative, which is bounded for bodies that turn evenly; to that comes what
+the rate midway shows of it.  In Bernstein's form it shows its sign even where it starts or ends at zero.
 
 Source: Farouki, The Bernstein polynomial basis, Computer Aided Geometric Design 29 (2012) 379-419.
 """
@@ -30,9 +31,12 @@ from rattle.trace.peak import peak
 from rattle.trace.recording import Recorder
 from rattle.trace.reductions import Touches
 
-LANE = ("closing", "hit length", "free length", "turns", "turned at")  # of a lane, whatever contact it is
+# of a lane, whatever contact it is; the last ones count tries
+LANE = ("closing", "hit length", "free length", "doubts", "landings", "turned", "turns", "turned at")
+COUNTED = ("doubts", "landings", "turned")
 SHARP = 1e-9  # share of the step that first went beyond a contact by which the instant of the contact may be missed
-SOON = 0.1  # share of that step within which a contact is landed on that was not reached
+SOON = 0.5  # share of that step within which a contact is landed on that was not reached
+NEARER = 0.7  # share of the way to a contact that a step takes where all of it is too much: a force ends with a kink
 NEWTON = 6  # iterations for a zero of a polynomial; a try that misses it is followed by another one
 SHORT_OF = 1.0 - 1e-10  # largest share of a step to land at: shorter than the step
 CAUTION = 0.7  # share of the longest step that a bound allows which is tried next
@@ -40,7 +44,7 @@ LEAST_SHARE, MOST_SHARE = 0.2, 0.5  # of a step in doubt that is tried next
 HALVINGS = 2  # of a polynomial whose sign is asked for
 MOST_LANDINGS, MOST_TURNS = 200, 60  # tries that do not land; turns at one instant
 AT_ONCE = 1e-13  # share of the time within which turns are at one instant
-FAR = 1e300
+FAR, LITTLE = 1e300, 1e-300
 
 
 class Row(NamedTuple):
@@ -56,7 +60,7 @@ class Meets(NamedTuple):
     lever: Sequence[Sequence[float | Row]]  # (n, columns) of the system
     nq: int  # positions in a state
     touched: Function  # of a state: what ENDS says
-    midway: Function  # of a state: gaps, then forces of those whose peaks are asked for
+    midway: Function  # of a state: gaps, their rates, then forces of those whose peaks are asked for
     peaks: tuple[int, ...]  # contacts whose largest forces are asked for
 
     @property
@@ -77,7 +81,7 @@ class Meets(NamedTuple):
     @property
     def midway_rows(self) -> int:
         """Rows that tell of its middle."""
-        return self.count + len(self.peaks)
+        return 2 * self.count + len(self.peaks)
 
     @property
     def met_rows(self) -> int:
@@ -120,18 +124,15 @@ class Met:
         self.near, self.peaks = rows[4 : 4 + meets.count], rows[4 + meets.count :]
 
 
-# ---------------------------------------------------------------- the gap in a step
-class _Curve:
-    """A curve over a step: the quartic with these values and changes per step at the ends, and the value midway."""
+# ---------------------------------------------------------------- a curve in a step
+class _Quartic:
+    """The curve with these values and changes per step at the ends, and this value midway, over a step."""
 
-    def __init__(self, left: Operand, slope_left: Operand, middle: Operand, right: Operand, slope_right: Operand):
-        self.ends, self.slopes = (left, right), (slope_left, slope_right)
-        cubic = 0.5 * (left + right) + 0.125 * (slope_left - slope_right)
-        self.missed = middle - cubic  # of the cubic through the ends
-        c2 = 3.0 * (right - left) - 2.0 * slope_left - slope_right
-        c3 = 2.0 * (left - right) + slope_left + slope_right
-        bulge = 16.0 * self.missed
-        self.powers = [left, slope_left, c2 + bulge, c3 - 2.0 * bulge, bulge]
+    def __init__(self, left: Operand, rises: Operand, middle: Operand, right: Operand, ends: Operand) -> None:
+        c2 = 3.0 * (right - left) - 2.0 * rises - ends
+        c3 = 2.0 * (left - right) + rises + ends
+        self.known, self.bulge = (left, rises, right, ends), 16.0 * middle - 8.0 * (left + right) - 2.0 * (rises - ends)
+        self.powers = [left, rises, c2 + self.bulge, c3 - 2.0 * self.bulge, self.bulge]
 
     def value(self, s: Operand) -> Operand:
         """At the share s of the step."""
@@ -148,9 +149,9 @@ class _Curve:
         return total
 
     def lowest(self, margin: Operand) -> Operand:
-        """A number below all values of the cubic, less a margin midway and a share of it elsewhere."""
-        (left, right), (rises, ends) = self.ends, self.slopes
-        middle = 0.5 * (left + right) + (rises - ends) / 6.0 - (16.0 / 6.0) * margin
+        """A number below all its values less 16 s^2 (1 - s)^2 times a margin."""
+        left, rises, right, ends = self.known
+        middle = 0.5 * (left + right) + (rises - ends) / 6.0 + (self.bulge - 16.0 * margin) / 6.0
         pieces = [[left, left + 0.25 * rises, middle, right - 0.25 * ends, right]]
         for _ in range(HALVINGS):
             pieces = [half for piece in pieces for half in _halves(piece)]
@@ -162,19 +163,21 @@ class _Curve:
 
     def zero(self) -> Operand:
         """About where it falls through zero first, below zero at its end: a share of the step."""
-        (left, right), (rises, ends) = self.ends, self.slopes
-        secant = least(largest(left / largest(left - right, at_least()), 1e-3), 1.0)
+        left, rises, right, ends = self.known
+        secant = least(largest(left / largest(left - right, LITTLE), 1e-3), 1.0)
         s = select(rises > 0.0, select(ends < 0.0, 1.0, 0.5), secant)
         for _ in range(NEWTON):
-            slope = self.slope(s)
-            new = s - self.value(s) / select(slope < 0.0, slope, -FAR)
-            s = least(largest(new, 0.5 * s), 0.5 + 0.5 * s)
+            s = least(largest(self._nearer(s), 0.5 * s), 0.5 + 0.5 * s)
         return least(s, SHORT_OF)
 
+    def beyond(self) -> Operand:
+        """Share of the step after its end at which it falls through zero, about; FAR if it rises there."""
+        s = self._nearer(self._nearer(1.0))
+        return select(s > 1.0, s - 1.0, FAR)
 
-def at_least() -> float:
-    """What keeps quotients finite."""
-    return 1.0 / FAR
+    def _nearer(self, s: Operand) -> Operand:
+        slope = self.slope(s)
+        return s - self.value(s) / select(slope < 0.0, slope, -FAR)
 
 
 def _halves(b: Sequence[Operand]) -> tuple[list[Operand], list[Operand]]:
@@ -218,54 +221,92 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
     """All rows of a tile: the rows of `Met`."""
     graph, row = inputs(tile.count)
     group = {name: row[place] for name, place in tile.places.items()}
-    touch, ends = Touch(meets, group["touch"]), Ends(meets, group["ends"])
+    touch, ends, midway = Touch(meets, group["touch"]), Ends(meets, group["ends"]), group["midway"]
     h, still = group["planned"][0], group["control"][-2]
-    landing, reach = group["control"][-1] > 0.0, touch.lane["hit length"]
+    reach = select(group["control"][-1] > 0.0, touch.lane["hit length"], 0.0)
     recorder = Recorder(graph)
     m = _step_arrays(tile, meets, method, ny, watched, row)
-    bounds, sweep, rounding = (
-        recorder.recorded(f.python) for f in (gap_search.bounds, gap_search.sweep, gap_search.rounding)
-    )
     hit, doubt, short, theta, due, near = False, False, h, FAR, FAR, []
     for n in range(meets.count):
-        shut = touch.shut[n] > 0.5
-        side = select(shut, -1.0, 1.0)
-        gap, rate, end, end_rate = (side * x[n] for x in (touch.gap, touch.rate, ends.gap, ends.rate))
         m.contact_kinematics[n, at.ACROSS] = ends.across[n]
-        curve = _Curve(gap, h * rate, side * group["midway"][n], end, h * end_rate)
-        bend, _, turning, _ = bounds(m, h, n)
-        turns, distance = sweep(m, n, bend, h, select(shut, 0.0, largest(gap, end)))
-        bent = bend + turns * turns * distance
-        wide, slight = largest(turning, turns) * h, rounding(m, n)
-        close = largest(slight, select(landing, SHARP * reach * abs(end_rate), 0.0))
-        arrives = (end_rate < 0.0) & (abs(end) <= close)
-        low = least(gap, 0.0) - select(arrives, close, slight)
-        beyond = 0.03125 * bent * (wide * h) ** 2 / 12.0  # = bent (wide h)^2 / 384
-        proven = (wide <= gap_search.WHOLE_TURN) & (
-            curve.lowest(abs(curve.missed) - curve.missed + beyond) >= low
-        )
-        chord = least(gap, end) - 0.125 * select(shut, bent, bend) * h * h >= low
-        free = proven | chord | (abs(rate + end_rate) >= bent * h)
-        below = end < low
+        shut = touch.shut[n] > 0.5
+        gap = _Gap(recorder, m, n, shut, h, *(x[n] for x in (touch.gap, touch.rate, ends.gap, ends.rate)),
+                   midway[n], midway[meets.count + n])  # fmt: skip
+        arrives, below, free, allowed = gap.looked_at(reach)
         hit, doubt = hit | below, doubt | apply("not", free)
-        theta = select(below, least(theta, curve.zero()), theta)
-        allowed = CAUTION * root(8.0 * largest(least(gap, end) - low, at_least()) / largest(bent, at_least()))
-        tried = least(MOST_SHARE * h, largest(allowed, LEAST_SHARE * h))
-        short = select(free, short, least(short, tried))
-        due = select(end_rate < 0.0, least(due, largest(-end / select(end_rate < 0.0, end_rate, -1.0), 0.0)), due)
+        theta = select(below, least(theta, gap.curve.zero()), theta)
+        short = select(free, short, least(short, least(MOST_SHARE * h, largest(allowed, LEAST_SHARE * h))))
+        due = least(due, gap.curve.beyond() * h)
         near.append(arrives)
     moves = apply("not", still > 0.0)
     cut = moves & (hit | doubt)
     turned = [_one(both(graph, [moves, apply("not", hit | doubt), flag])) for flag in near]
     forces = [
         peak([
-            _Curve(touch.force[k], h * touch.change[k], group["midway"][meets.count + k], ends.force[k],
-                   h * ends.change[k]).value(0.25 * part)
+            _Quartic(touch.force[k], h * touch.change[k], midway[2 * meets.count + k], ends.force[k],
+                     h * ends.change[k]).value(0.25 * part)
             for part in range(5)
         ])
         for k in range(len(meets.peaks))
     ]  # fmt: skip
-    return graph, [_one(cut), select(hit, theta * h, short), _one(hit), due, *turned, *forces]
+    return graph, [_one(cut), select(hit, theta * h, short), _one(moves & hit), due, *turned, *forces]
+
+
+class _Gap:
+    """The gap of one contact in a step of length h, as a curve that is positive while the contact stays as it is.
+
+    The gap of a pin turns with its normal, so that it is no polynomial; |e|^2 is smoother.  So of a round of radius c
+    the curve is c^2 - |e|^2 = g (2 c - g), or |e|^2 - c^2 outside of it.
+    """
+
+    def __init__(
+        self, recorder: Recorder, m: SimpleNamespace, n: int, shut: Flag, h: Operand, gap: Operand, rate: Operand,
+        end: Operand, end_rate: Operand, middle: Operand, middle_rate: Operand,
+    ) -> None:  # fmt: skip
+        bounds, sweep, rounding = (
+            recorder.recorded(f.python) for f in (gap_search.bounds, gap_search.sweep, gap_search.rounding)
+        )
+        side, self.h, self.shut = select(shut, -1.0, 1.0), h, shut
+        self.gap, self.rate, self.end, self.end_rate = (side * x for x in (gap, rate, end, end_rate))
+        self.bend, _, self.turning, _ = bounds(m, h, n)
+        turns, distance = sweep(m, n, self.bend, h, select(shut, 0.0, largest(self.gap, self.end)))
+        self.bent = self.bend + turns * turns * distance
+        self.slight = rounding(m, n)
+        rounded, radius = float(m.lever[n, at.ROUNDED]), m.lever[n, at.GAP_SCALE]
+        way = {0.0: 0.0, 1.0: -1.0, 2.0: 1.0}[rounded]
+
+        def smooth(g: Operand, change: Operand) -> tuple[Operand, Operand]:
+            if not way:
+                return side * g, side * h * change
+            return side * g * (2.0 * radius + way * g), side * h * 2.0 * (radius + way * g) * change
+
+        left, right = smooth(gap, rate), smooth(end, end_rate)
+        halfway, slope = smooth(middle, middle_rate)
+        self.curve = _Quartic(left[0], left[1], halfway, right[0], right[1])
+        self.size = 2.0 * radius if way else 1.0  # of the curve to the gap next to zero
+        self.missed = abs(slope - self.curve.slope(0.5))
+        w, e = self.turning, self.bend
+        self.fifth = e * w * w * w  # a bound of the fifth derivative
+        if way:
+            speed = root(end_rate * end_rate + m.contact_kinematics[n, at.ACROSS] ** 2) + e * h
+            away = radius + largest(abs(gap), abs(end)) + 0.125 * e * h * h
+            self.fifth = e * w * (20.0 * e + w * (10.0 * speed + w * (2.0 * away)))
+
+    def looked_at(self, reach: Operand) -> tuple[Flag, Flag, Flag, Operand]:
+        """Flags: the contact turns at the end; it is beyond that at the end; it does not turn before; the step that
+        bounds allow [s].  reach: length of the step that first went beyond it [s], 0: no try to land there."""
+        h, bent = self.h, self.bent
+        close = largest(self.slight, SHARP * reach * abs(self.end_rate))
+        arrives = (self.end_rate < 0.0) & (abs(self.end) <= close)
+        low = least(self.gap, 0.0) - select(arrives, close, self.slight)
+        margin = self.missed + self.fifth * h**4 * h / 3840.0
+        smooth = self.turning * h <= gap_search.WHOLE_TURN
+        proven = smooth & (self.curve.lowest(margin) >= self.size * low)
+        nearest = least(self.gap, self.end)
+        chord = nearest - 0.125 * select(self.shut, bent, self.bend) * h * h >= low
+        free = proven | chord | (abs(self.rate + self.end_rate) >= bent * h)
+        allowed = CAUTION * root(8.0 * largest(nearest - low, LITTLE) / largest(bent, LITTLE))
+        return arrives, self.end < low, free, allowed
 
 
 def _one(on: Flag) -> Operand:
@@ -314,23 +355,32 @@ def turn(meets: Meets, touch: Touch, ends: Ends, met: Met, planned: Sequence[Ope
     turns = turns & good
     lane, landing = touch.lane, flags.landing
     reach = select(landing > 0.0, lane["hit length"], h)
-    cut, hit = flags.fits & (met.cut > 0.0), flags.fits & (met.hit > 0.0)
-    comes = (landing > 0.0) & good & apply("not", turns | still) & (met.due <= SOON * lane["hit length"])
+    hit = met.hit > 0.0  # also where an error is too large: beyond its contact a curve has a kink
+    cut = hit | (flags.fits & (met.cut > 0.0))
+    lands = landing > 0.0
+    comes = lands & good & apply("not", turns | still) & (met.due <= SOON * lane["hit length"])
+    missed = lands & apply("not", hit | flags.fits)
     free = select(turns & closes, largest(reach, 0.5 * lane["free length"]), lane["free length"])
     lasting: Operand = FAR
     for s, x in zip(shut, ends.lasting, strict=True):
         lasting = select(s & (x > 0.0), least(lasting, x), lasting)
     first = select(lane["closing"] > 0.0, least(flags.kept, FIRST_STEP * lasting), flags.kept)
     after = select(closes, reach, largest(reach, AFTER_CONTACT * lane["free length"]))
-    ahead = select(cut, met.ahead, flags.ahead)
+    whole = flags.fits | (flags.ahead >= met.ahead)
+    ahead = select(cut, select(hit & apply("not", whole), NEARER * met.ahead, met.ahead), flags.ahead)
+    ahead = select(missed, largest(flags.ahead, NEARER * h), ahead)
     ahead = select(comes, met.due, ahead)
     ahead = select(turns, after, select(still, first, ahead))
     again = (t - lane["turned at"]) <= AT_ONCE * t
     count = select(turns, select(again, lane["turns"] + 1.0, 1.0), lane["turns"])
-    landings = select(turns | still, 0.0, select((hit & cut) | comes, landing + 1.0, 0.0))
+    landings = select(turns | still, 0.0, select(hit | comes | missed, landing + 1.0, 0.0))
     values = {
         "closing": select(turns, _one(closes), select(still, 0.0, lane["closing"])),
-        "hit length": select(hit & cut & (landing <= 0.0), h, lane["hit length"]), "free length": free,
+        "hit length": select(hit & (landing <= 0.0), h, lane["hit length"]), "free length": free,
+        **{
+            name: lane[name] + _one(flags.running & event)
+            for name, event in zip(COUNTED, (cut & apply("not", hit), hit | comes | missed, turns), strict=True)
+        },
         "turns": count, "turned at": select(turns, t, lane["turned at"]),
     }  # fmt: skip
 
@@ -358,6 +408,7 @@ def touches_of(meets: Meets, touch: Touch, ends: Ends, met: Met) -> Touches:
 class Lane(NamedTuple):
     """What else is known of a lane after a trip."""
 
+    running: Flag
     good: Flag  # its step counts
     fits: Flag  # its error is small enough
     still: Flag  # it took no time

@@ -112,7 +112,7 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
     good = both(graph, [running, accepted, reached < 0.0])
     turned = None
     if meets is not None:
-        lane = Lane(good, fits, still, control[-1], ahead, control[len(CONTROL) - len(PLAN) + 1])
+        lane = Lane(running, good, fits, still, control[-1], ahead, control[len(CONTROL) - len(PLAN) + 1])
         turned = turn(meets, Touch(meets, touch), Ends(meets, ends), Met(meets, met), proposed, lane)
         reached = select(turned.lost, float(Status.CONTACTS), reached)
         ahead = turned.ahead

@@ -224,7 +224,7 @@ class _Met:
             *functions.gap, *functions.rate, *functions.across, *functions.lasting,
             *normal, *tangent(model.graph, normal, flow),
         ]  # fmt: skip
-        self.midway = [*functions.gap, *normal]
+        self.midway = [*functions.gap, *functions.rate, *normal]
 
     def meets(self, late: Graph, levers: Sequence[Operand], touched: Function, midway: Function) -> Meets | None:
         """As lanes read it; late: the calculation of every step, levers: what stands for them there."""
