@@ -116,13 +116,13 @@ class AnalysedModel(WrittenModel):
         return mechanism
 
     def recorded(self, parameters: Sequence[str] = (), *, contacts: bool = False) -> RecordedModel:
-        """The model as a graph whose inputs are time, state and these parameters; contacts: with its contacts.
+        """The model as a graph whose inputs are time, state and these parameters; contacts: with them, for lanes.
 
         Raises TraceError, with the reason, if it has contacts or cannot be recorded; UnknownName.
         """
         from rattle.analyses.straight_line.recorded_model import record_model
 
-        return record_model(self._document, self.system, self.start, parameters, contacts=contacts)
+        return record_model(self._document, self.system, self.start, parameters, contacts=contacts, lanes=contacts)
 
     # ------------------------------------------------------------ analyses
 

@@ -116,7 +116,8 @@ class Batch:
             (program.spread, planned[:1], blocks[1, :wide]),
             *(call for s in range(1, stages) for call in self._stage(s)),
             (program.end, flat[1 : 3 + stages], squares), (program.judge, judged, self._first("verdict")),
-            (copy, squares[:1], moved), (copy, planned[1:2], state[:1]), *self._arrival(), *self._meeting(),
+            (copy, squares[:1], moved), (copy, planned[1:2], state[:1]), *self._striking(), *self._arrival(),
+            *self._meeting(),
         ]  # fmt: skip
         if program.ledger.sampled:
             calls += self._samples()
@@ -144,6 +145,17 @@ class Batch:
         return [
             (model.arrive, state, arrived), (copy, time, blocks[0, :1]),
             *((copy, rows.reshape(row), target.reshape(row)) for rows, target in targets if len(rows)),
+        ]  # fmt: skip
+
+    def _striking(self) -> list[Call]:
+        """What rigid contacts do to the state at the end of the step, and what they become."""
+        meets, ny, copy, row = self.program.model.meets, self.program.model.ny, self.program.copy, (1, -1)
+        if meets is None or meets.struck is None:
+            return []
+        after, state = self._first("after"), self._first("state")
+        return [
+            (meets.struck, state, after), (copy, after[:ny].reshape(row), state[1 : 1 + ny].reshape(row)),
+            (copy, after[ny:].reshape(row), self._first("struck").reshape(row)),
         ]  # fmt: skip
 
     def _meeting(self) -> list[Call]:

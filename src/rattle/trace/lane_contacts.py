@@ -14,7 +14,7 @@ Source: Farouki, The Bernstein polynomial basis, Computer Aided Geometric Design
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -24,17 +24,21 @@ from rattle.jit import layout as at
 from rattle.language.recorded import Flag, Operand
 from rattle.solvers.contacts import gap_search
 from rattle.solvers.contacts.contact_events import AFTER_CONTACT, FIRST_STEP
+from rattle.solvers.nonsmooth.impacts import LOW, LOW_OF_GAP, NOTICED
 from rattle.trace.graph import Symbol, apply, both, select
 from rattle.trace.lane_chain import Function
 from rattle.trace.lane_methods import Method, Recorded, inputs, largest, least, root
 from rattle.trace.peak import peak
+from rattle.trace.recorded_rigid import DECIDES, HITS, OPEN, select_flag
 from rattle.trace.recording import Recorder
 from rattle.trace.reductions import Touches
 
 # of a lane, whatever contact it is; the last ones count tries
 LANE = ("closing", "hit length", "free length", "doubts", "landings", "turned", "turns", "turned at")
 COUNTED = ("doubts", "landings", "turned")
-SHARP = 1e-9  # share of the step that first went beyond a contact by which the instant of the contact may be missed
+# of rigid contacts at the end of a step: force, reserve of its slip or stick, slip, T, g'', g' without rounding
+RIGID_ENDS = ("pressed", "reserve", "slip", "tangent", "bend", "calm")
+SHARP = 1e-11  # share of the step that first went beyond a contact by which the instant of the contact may be missed
 SOON = 0.5  # share of that step within which a contact is landed on that was not reached
 NEARER = 0.7  # share of the way to a contact that a step takes where all of it is too much: a force ends with a kink
 NEWTON = 6  # iterations for a zero of a polynomial; a try that misses it is followed by another one
@@ -45,6 +49,7 @@ HALVINGS = 2  # of a polynomial whose sign is asked for
 MOST_LANDINGS, MOST_TURNS = 200, 60  # tries that do not land; turns at one instant
 AT_ONCE = 1e-13  # share of the time within which turns are at one instant
 FAR, LITTLE = 1e300, 1e-300
+SLIGHT = 1e-12  # share of a force, or of a slip, that may be rounding
 
 
 class Row(NamedTuple):
@@ -61,7 +66,9 @@ class Meets(NamedTuple):
     nq: int  # positions in a state
     touched: Function  # of a state: what ENDS says
     midway: Function  # of a state: gaps, their rates, then forces of those whose peaks are asked for
-    peaks: tuple[int, ...]  # contacts whose largest forces are asked for
+    peaks: tuple[int, ...] = ()  # contacts whose largest forces are asked for
+    rigid: tuple[int, ...] = ()  # rigid contacts
+    struck: Function | None = None  # of a state: y and what `Struck` says, where there are rigid ones
 
     @property
     def count(self) -> int:
@@ -71,68 +78,97 @@ class Meets(NamedTuple):
     @property
     def touch_rows(self) -> int:
         """Rows that a lane keeps, see `Touch`."""
-        return 4 * self.count + 2 * len(self.peaks) + len(LANE)
+        return 4 * self.count + 2 * len(self.peaks) + 2 * len(self.rigid) + len(LANE)
 
     @property
     def end_rows(self) -> int:
         """Rows that tell of the end of a step, see `Ends`."""
-        return 4 * self.count + 2 * len(self.peaks)
+        return 4 * self.count + 2 * len(self.peaks) + len(RIGID_ENDS) * len(self.rigid)
 
     @property
     def midway_rows(self) -> int:
         """Rows that tell of its middle."""
-        return 2 * self.count + len(self.peaks)
+        return 2 * self.count + len(self.peaks) + 2 * len(self.rigid)
+
+    @property
+    def struck_rows(self) -> int:
+        """Rows that `struck` writes after y, see `Struck`."""
+        return 3 * len(self.rigid) + 1 if self.rigid else 0
 
     @property
     def met_rows(self) -> int:
         """Rows that `meet` writes, see `Met`."""
-        return 4 + self.count + len(self.peaks)
+        return 4 + self.count + len(self.peaks) + 2 * len(self.rigid)
 
 
 class Touch:
     """Rows of a lane: shut (0 or 1) and approach speed of its contacts; gap and rate of each at the start of a step;
-    forces and their rates likewise, of those whose peaks are asked for; LANE."""
+    forces and their rates likewise, of those whose peaks are asked for; forces and reserves of rigid ones; LANE.
+
+    A rigid contact is OPEN, SHUT, HITS or DECIDES, see `recorded_rigid`; its speed is the sense of its slip, 0: none.
+    """
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
-        n, p = meets.count, len(meets.peaks)
-        self.shut, self.speed, self.gap, self.rate = (list(rows[k * n : (k + 1) * n]) for k in range(4))
-        self.force, self.change = list(rows[4 * n : 4 * n + p]), list(rows[4 * n + p : 4 * n + 2 * p])
-        self.lane = dict(zip(LANE, rows[4 * n + 2 * p :], strict=True))
+        n, p, r = meets.count, len(meets.peaks), len(meets.rigid)
+        (self.shut, self.speed, self.gap, self.rate, self.force, self.change, self.pressed, self.reserve, lane) = (
+            _parted(rows, [n, n, n, n, p, p, r, r, len(LANE)])
+        )
+        self.lane = dict(zip(LANE, lane, strict=True))
 
     @property
     def rows(self) -> list[Operand]:
         """All of them in order."""
-        return [*self.shut, *self.speed, *self.gap, *self.rate, *self.force, *self.change, *self.lane.values()]
+        lists = (self.shut, self.speed, self.gap, self.rate, self.force, self.change, self.pressed, self.reserve)
+        return [*(x for rows in lists for x in rows), *self.lane.values()]
 
 
 class Ends:
     """At the end of a step: gaps, their rates, speeds across the normal, how long contacts will last about [s], by
-    contact; forces and their rates, of those whose peaks are asked for."""
+    contact; forces and their rates, of those whose peaks are asked for; RIGID_ENDS of the rigid ones."""
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
-        n, p = meets.count, len(meets.peaks)
-        self.gap, self.rate, self.across, self.lasting = (list(rows[k * n : (k + 1) * n]) for k in range(4))
-        self.force, self.change = rows[4 * n : 4 * n + p], rows[4 * n + p :]
+        n, p, r = meets.count, len(meets.peaks), len(meets.rigid)
+        self.gap, self.rate, self.across, self.lasting, self.force, self.change, *rigid = _parted(
+            rows, [n, n, n, n, p, p, *[r] * len(RIGID_ENDS)]
+        )
+        self.rigid = dict(zip(RIGID_ENDS, rigid, strict=True))
 
 
 class Met:
     """What a step says of contacts: it is cut, and how long the next try is; it is cut as it went beyond a contact;
-    time from its end to the next contact, about; contacts turn at its end; largest forces in it."""
+    time from its end to the next contact, about; contacts turn at its end; largest forces in it; of rigid ones, that
+    they slip or stick no longer, and a height of bounces that are not followed."""
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
-        self.cut, self.ahead, self.hit, self.due = rows[:4]
-        self.near, self.peaks = rows[4 : 4 + meets.count], rows[4 + meets.count :]
+        r = len(meets.rigid)
+        first, self.near, self.peaks, self.spent, self.low = _parted(rows, [4, meets.count, len(meets.peaks), r, r])
+        self.cut, self.ahead, self.hit, self.due = first
+
+
+class Struck:
+    """Of rigid contacts: shut, sense of slip, impulses after a trip that took no time; a flag that there are such."""
+
+    def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
+        r = len(meets.rigid)
+        self.shut, self.slide, self.impulse, sound = _parted(rows, [r, r, r, 1 if r else 0])
+        self.sound: Operand = sound[0] if r else 1.0
+
+
+def _parted(rows: Sequence[Operand], sizes: Sequence[int]) -> list[list[Operand]]:
+    parts, first = [], 0
+    for size in sizes:
+        parts.append(list(rows[first : first + size]))
+        first += size
+    return parts
 
 
 # ---------------------------------------------------------------- a curve in a step
-class _Quartic:
-    """The curve with these values and changes per step at the ends, and this value midway, over a step."""
+class _Polynomial:
+    """A curve over a step by its coefficients."""
 
-    def __init__(self, left: Operand, rises: Operand, middle: Operand, right: Operand, ends: Operand) -> None:
-        c2 = 3.0 * (right - left) - 2.0 * rises - ends
-        c3 = 2.0 * (left - right) + rises + ends
-        self.known, self.bulge = (left, rises, right, ends), 16.0 * middle - 8.0 * (left + right) - 2.0 * (rises - ends)
-        self.powers = [left, rises, c2 + self.bulge, c3 - 2.0 * self.bulge, self.bulge]
+    def __init__(self, powers: list[Operand], ends: Operand) -> None:
+        """ends: change per step at the end."""
+        self.powers, self.ends = powers, ends
 
     def value(self, s: Operand) -> Operand:
         """At the share s of the step."""
@@ -143,10 +179,38 @@ class _Quartic:
 
     def slope(self, s: Operand) -> Operand:
         """Change per step there."""
-        total: Operand = 4.0 * self.powers[4]
-        for k in (3, 2, 1):
+        total: Operand = 0.0
+        for k in reversed(range(1, len(self.powers))):
             total = total * s + float(k) * self.powers[k]
         return total
+
+    def zero(self) -> Operand:
+        """About where it falls through zero first, below zero at its end: a share of the step."""
+        left, rises = self.powers[:2]
+        secant = least(largest(left / largest(left - self.value(1.0), LITTLE), 1e-3), 1.0)
+        s = select(rises > 0.0, select(self.ends < 0.0, 1.0, 0.5), secant)
+        for _ in range(NEWTON):
+            s = least(largest(self._nearer(s), 0.5 * s), 0.5 + 0.5 * s)
+        return least(s, SHORT_OF)
+
+    def beyond(self) -> Operand:
+        """Share of the step after its end at which it falls through zero, about; FAR if it rises there."""
+        s = self._nearer(self._nearer(1.0))
+        return select(s > 1.0, s - 1.0, FAR)
+
+    def _nearer(self, s: Operand) -> Operand:
+        slope = self.slope(s)
+        return s - self.value(s) / select(slope < 0.0, slope, -FAR)
+
+
+class _Quartic(_Polynomial):
+    """The curve with these values and changes per step at the ends, and this value midway."""
+
+    def __init__(self, left: Operand, rises: Operand, middle: Operand, right: Operand, ends: Operand) -> None:
+        c2 = 3.0 * (right - left) - 2.0 * rises - ends
+        c3 = 2.0 * (left - right) + rises + ends
+        self.known, self.bulge = (left, rises, right, ends), 16.0 * middle - 8.0 * (left + right) - 2.0 * (rises - ends)
+        super().__init__([left, rises, c2 + self.bulge, c3 - 2.0 * self.bulge, self.bulge], ends)
 
     def lowest(self, margin: Operand) -> Operand:
         """A number below all its values less 16 s^2 (1 - s)^2 times a margin."""
@@ -160,24 +224,6 @@ class _Quartic:
             for x in piece:
                 low = least(low, x)
         return low
-
-    def zero(self) -> Operand:
-        """About where it falls through zero first, below zero at its end: a share of the step."""
-        left, rises, right, ends = self.known
-        secant = least(largest(left / largest(left - right, LITTLE), 1e-3), 1.0)
-        s = select(rises > 0.0, select(ends < 0.0, 1.0, 0.5), secant)
-        for _ in range(NEWTON):
-            s = least(largest(self._nearer(s), 0.5 * s), 0.5 + 0.5 * s)
-        return least(s, SHORT_OF)
-
-    def beyond(self) -> Operand:
-        """Share of the step after its end at which it falls through zero, about; FAR if it rises there."""
-        s = self._nearer(self._nearer(1.0))
-        return select(s > 1.0, s - 1.0, FAR)
-
-    def _nearer(self, s: Operand) -> Operand:
-        slope = self.slope(s)
-        return s - self.value(s) / select(slope < 0.0, slope, -FAR)
 
 
 def _halves(b: Sequence[Operand]) -> tuple[list[Operand], list[Operand]]:
@@ -226,21 +272,36 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
     reach = select(group["control"][-1] > 0.0, touch.lane["hit length"], 0.0)
     recorder = Recorder(graph)
     m = _step_arrays(tile, meets, method, ny, watched, row)
-    hit, doubt, short, theta, due, near = False, False, h, FAR, FAR, []
+    hit, doubt, short, theta, due = False, False, h, FAR, FAR
+    near: list[Flag] = []
+    spent: list[Flag] = []
+    low: list[Operand] = []
     for n in range(meets.count):
         m.contact_kinematics[n, at.ACROSS] = ends.across[n]
-        shut = touch.shut[n] > 0.5
+        shut = (touch.shut[n] > 0.5) & (touch.shut[n] < 1.5)
         gap = _Gap(recorder, m, n, shut, h, *(x[n] for x in (touch.gap, touch.rate, ends.gap, ends.rate)),
                    midway[n], midway[meets.count + n])  # fmt: skip
-        arrives, below, free, allowed = gap.looked_at(reach)
-        hit, doubt = hit | below, doubt | apply("not", free)
-        theta = select(below, least(theta, gap.curve.zero()), theta)
-        short = select(free, short, least(short, least(MOST_SHARE * h, largest(allowed, LEAST_SHARE * h))))
-        due = least(due, gap.curve.beyond() * h)
-        near.append(arrives)
+        looks = [gap.looked_at(reach)]
+        if n in meets.rigid:  # shut, it ends where its force does; OPEN, HITS or DECIDES has none
+            k, first = meets.rigid.index(n), 2 * meets.count + len(meets.peaks)
+            held = [
+                _reserve_at(h, reach, at_start[k], midway[first + place * len(meets.rigid) + k], ends.rigid[name][k])
+                for place, (name, at_start) in enumerate((("pressed", touch.pressed), ("reserve", touch.reserve)))
+            ]  # fmt: skip
+            looks = [held[0].instead_of(looks[0], shut), held[1].instead_of(_NOTHING, shut)]
+            spent.append(looks[1].arrives)
+            low.append(gap.low_bounce(m, n))
+        for look in looks:
+            hit, doubt = hit | look.below, doubt | apply("not", look.free)
+            theta = select(look.below, least(theta, look.zero), theta)
+            short = select(look.free, short, least(short, least(MOST_SHARE * h, largest(look.allowed, LEAST_SHARE * h))))
+            due = least(due, look.due * h)
+        near.append(looks[0].arrives)
     moves = apply("not", still > 0.0)
     cut = moves & (hit | doubt)
-    turned = [_one(both(graph, [moves, apply("not", hit | doubt), flag])) for flag in near]
+    turned, ended = (
+        [_one(both(graph, [moves, apply("not", hit | doubt), flag])) for flag in flags] for flags in (near, spent)
+    )
     forces = [
         peak([
             _Quartic(touch.force[k], h * touch.change[k], midway[2 * meets.count + k], ends.force[k],
@@ -249,7 +310,40 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
         ])
         for k in range(len(meets.peaks))
     ]  # fmt: skip
-    return graph, [_one(cut), select(hit, theta * h, short), _one(moves & hit), due, *turned, *forces]
+    return graph, [_one(cut), select(hit, theta * h, short), _one(moves & hit), due, *turned, *forces, *ended, *low]
+
+
+class _Look(NamedTuple):
+    """What a step shows of a curve that is positive while a contact stays as it is."""
+
+    arrives: Flag  # it is zero at the end: the contact turns
+    below: Flag  # it is beyond zero at the end
+    free: Flag  # it has no zero before
+    allowed: Operand  # step that bounds allow [s]
+    zero: Operand  # where its first zero is about, if it is beyond: a share of the step
+    due: Operand  # where its next zero is about: shares of the step after its end
+
+    def instead_of(self, other: _Look, shut: Flag) -> _Look:
+        """This one where a contact is shut, the other one elsewhere."""
+        flags = [select_flag(shut, a, b) for a, b in zip(self[:3], other[:3], strict=True)]
+        return _Look(*flags, *(select(shut, a, b) for a, b in zip(self[3:], other[3:], strict=True)))
+
+
+_NOTHING = _Look(False, False, True, FAR, FAR, FAR)
+
+
+def _reserve_at(h: Operand, reach: Operand, start: Operand, middle: Operand, end: Operand) -> _Look:
+    """What three values say of the force of a rigid contact, or of what keeps it slipping or sticking."""
+    bend = 2.0 * (start + end) - 4.0 * middle
+    rises = end - start - bend
+    curve = _Polynomial([start, rises, bend], rises + 2.0 * bend)
+    slight = SLIGHT * (abs(start) + abs(middle) + abs(end))
+    close = largest(slight, SHARP * reach / largest(h, LITTLE) * abs(curve.ends))
+    arrives = (curve.ends < 0.0) & (abs(end) <= close)
+    low = least(start, 0.0) - select(arrives, close, slight)
+    turns = (bend > 0.0) & (rises < 0.0) & (curve.ends > 0.0)
+    lowest = least(least(start, end), least(middle, select(turns, start - 0.25 * rises * rises / bend, middle)))
+    return _Look(arrives, end < low, lowest >= low, 0.0, curve.zero(), curve.beyond())
 
 
 class _Gap:
@@ -292,9 +386,13 @@ class _Gap:
             away = radius + largest(abs(gap), abs(end)) + 0.125 * e * h * h
             self.fifth = e * w * (20.0 * e + w * (10.0 * speed + w * (2.0 * away)))
 
-    def looked_at(self, reach: Operand) -> tuple[Flag, Flag, Flag, Operand]:
-        """Flags: the contact turns at the end; it is beyond that at the end; it does not turn before; the step that
-        bounds allow [s].  reach: length of the step that first went beyond it [s], 0: no try to land there."""
+    def low_bounce(self, m: SimpleNamespace, n: int) -> Operand:
+        """Height of a bounce that is not followed [m or rad], see `solvers.nonsmooth.impacts`."""
+        known = largest(LOW * m.lever[n, at.GAP_SCALE], LOW_OF_GAP * m.lever[n, at.GAP_SIZE])
+        return largest(known, self.slight)
+
+    def looked_at(self, reach: Operand) -> _Look:
+        """reach: length of the step that first went beyond a contact [s], 0: this one does not try to land there."""
         h, bent = self.h, self.bent
         close = largest(self.slight, SHARP * reach * abs(self.end_rate))
         arrives = (self.end_rate < 0.0) & (abs(self.end) <= close)
@@ -306,7 +404,7 @@ class _Gap:
         chord = nearest - 0.125 * select(self.shut, bent, self.bend) * h * h >= low
         free = proven | chord | (abs(self.rate + self.end_rate) >= bent * h)
         allowed = CAUTION * root(8.0 * largest(nearest - low, LITTLE) / largest(bent, LITTLE))
-        return arrives, self.end < low, free, allowed
+        return _Look(arrives, self.end < low, free, allowed, self.curve.zero(), self.curve.beyond())
 
 
 def _one(on: Flag) -> Operand:
@@ -341,70 +439,6 @@ class Turned(NamedTuple):
     lost: Flag  # a flag: the lane does not get on
 
 
-def turn(meets: Meets, touch: Touch, ends: Ends, met: Met, planned: Sequence[Operand], flags: Lane) -> Turned:
-    """What a step of length h [s] to t leaves of its contacts."""
-    h, t = planned[0], planned[1]
-    good, still = flags.good, flags.still
-    near = [x > 0.0 for x in met.near]
-    shut = [x > 0.5 for x in touch.shut]
-    begins = [n & apply("not", s) for n, s in zip(near, shut, strict=True)]
-    turns: Flag = False
-    closes: Flag = False
-    for n, begin in zip(near, begins, strict=True):
-        turns, closes = turns | n, closes | begin
-    turns = turns & good
-    lane, landing = touch.lane, flags.landing
-    reach = select(landing > 0.0, lane["hit length"], h)
-    hit = met.hit > 0.0  # also where an error is too large: beyond its contact a curve has a kink
-    cut = hit | (flags.fits & (met.cut > 0.0))
-    lands = landing > 0.0
-    comes = lands & good & apply("not", turns | still) & (met.due <= SOON * lane["hit length"])
-    missed = lands & apply("not", hit | flags.fits)
-    free = select(turns & closes, largest(reach, 0.5 * lane["free length"]), lane["free length"])
-    lasting: Operand = FAR
-    for s, x in zip(shut, ends.lasting, strict=True):
-        lasting = select(s & (x > 0.0), least(lasting, x), lasting)
-    first = select(lane["closing"] > 0.0, least(flags.kept, FIRST_STEP * lasting), flags.kept)
-    after = select(closes, reach, largest(reach, AFTER_CONTACT * lane["free length"]))
-    whole = flags.fits | (flags.ahead >= met.ahead)
-    ahead = select(cut, select(hit & apply("not", whole), NEARER * met.ahead, met.ahead), flags.ahead)
-    ahead = select(missed, largest(flags.ahead, NEARER * h), ahead)
-    ahead = select(comes, met.due, ahead)
-    ahead = select(turns, after, select(still, first, ahead))
-    again = (t - lane["turned at"]) <= AT_ONCE * t
-    count = select(turns, select(again, lane["turns"] + 1.0, 1.0), lane["turns"])
-    landings = select(turns | still, 0.0, select(hit | comes | missed, landing + 1.0, 0.0))
-    values = {
-        "closing": select(turns, _one(closes), select(still, 0.0, lane["closing"])),
-        "hit length": select(hit & (landing <= 0.0), h, lane["hit length"]), "free length": free,
-        **{
-            name: lane[name] + _one(flags.running & event)
-            for name, event in zip(COUNTED, (cut & apply("not", hit), hit | comes | missed, turns), strict=True)
-        },
-        "turns": count, "turned at": select(turns, t, lane["turned at"]),
-    }  # fmt: skip
-
-    def moved(new: Sequence[Operand], old: Sequence[Operand]) -> list[Operand]:
-        return [select(good, a, b) for a, b in zip(new, old, strict=True)]
-
-    state = [
-        *(select(good & n, 1.0 - x, x) for n, x in zip(near, touch.shut, strict=True)),
-        *(select(good & b, largest(-r, 0.0), x) for b, r, x in zip(begins, ends.rate, touch.speed, strict=True)),
-        *moved(ends.gap, touch.gap), *moved(ends.rate, touch.rate),
-        *moved(ends.force, touch.force), *moved(ends.change, touch.change),
-        *(values[name] for name in LANE),
-    ]  # fmt: skip
-    lost = (landings > float(MOST_LANDINGS)) | (count > float(MOST_TURNS))
-    return Turned(state, ahead, _one(turns), landings, lost)
-
-
-def touches_of(meets: Meets, touch: Touch, ends: Ends, met: Met) -> Touches:
-    """What a step tells the reductions of contacts."""
-    shut = [x > 0.5 for x in touch.shut]
-    begins = [(n > 0.0) & apply("not", s) for n, s in zip(met.near, shut, strict=True)]
-    return Touches(begins, [-x for x in ends.rate], shut, dict(zip(meets.peaks, met.peaks, strict=True)))
-
-
 class Lane(NamedTuple):
     """What else is known of a lane after a trip."""
 
@@ -415,3 +449,141 @@ class Lane(NamedTuple):
     landing: Operand
     ahead: Operand  # the step that its error allows next [s]
     kept: Operand  # that which was to follow
+
+
+class Meeting:
+    """The contacts of a lane in one trip."""
+
+    def __init__(
+        self, meets: Meets, touch: Sequence[Operand], ends: Sequence[Operand], met: Sequence[Operand],
+        struck: Sequence[Operand],
+    ) -> None:  # fmt: skip
+        self.meets, self.touch, self.ends = meets, Touch(meets, touch), Ends(meets, ends)
+        self.met, self.struck = Met(meets, met), Struck(meets, struck)
+        self.near = [x > 0.0 for x in self.met.near]
+        self.shut = [(x > 0.5) & (x < 1.5) for x in self.touch.shut]
+        hits = [self.touch.shut[n] for n in meets.rigid]
+        self.hits, self.decides = _any((x > 1.5) & (x < 2.5) for x in hits), _any(x > 2.5 for x in hits)
+
+    @property
+    def touches(self) -> Touches:
+        """What the trip tells the reductions of contacts."""
+        begins = [n & apply("not", s) for n, s in zip(self.near, self.shut, strict=True)]
+        hardest: Operand = 0.0
+        for impulse in self.struck.impulse:
+            hardest = largest(impulse, hardest)
+        speeds = [largest(-x, 0.0) for x in self.ends.rate]
+        for n, impulse in zip(self.meets.rigid, self.struck.impulse, strict=True):
+            begins[n] = self.hits & (impulse > NOTICED * hardest)
+            speeds[n] = largest(-self.touch.rate[n], 0.0)
+        return Touches(begins, speeds, self.shut, dict(zip(self.meets.peaks, self.met.peaks, strict=True)))
+
+    def turn(self, planned: Sequence[Operand], flags: Lane) -> Turned:
+        """What a trip to t leaves of the contacts; its step has the length h [s]."""
+        h, t, still, touch, met = planned[0], planned[1], flags.still, self.touch, self.met
+        lane, landing = touch.lane, flags.landing
+        rigid = self.meets.rigid
+        closes = _any(
+            near & apply("not", shut)
+            for n, (near, shut) in enumerate(zip(self.near, self.shut, strict=True)) if n not in rigid
+        )  # fmt: skip
+        strikes = _any(self.near[n] & apply("not", self.shut[n]) for n in rigid)
+        turns = flags.good & (_any(self.near) | _any(x > 0.0 for x in met.spent))
+        reach = select(landing > 0.0, lane["hit length"], h)
+        hit = met.hit > 0.0  # also where an error is too large: beyond its contact a curve has a kink
+        cut = hit | (flags.fits & (met.cut > 0.0))
+        lands = landing > 0.0
+        comes = lands & flags.good & apply("not", turns | still) & (met.due <= SOON * lane["hit length"])
+        missed = lands & apply("not", hit | flags.fits)
+        ahead = select(comes, met.due, self._ahead(h, flags, hit, cut, missed))
+        first = select(lane["closing"] > 0.0, least(flags.kept, FIRST_STEP * self._lasting()), flags.kept)
+        after = select(closes | strikes, reach, largest(reach, AFTER_CONTACT * lane["free length"]))
+        ahead = select(turns, after, select(still, first, ahead))
+        again = (t - lane["turned at"]) <= AT_ONCE * t
+        count = select(turns, select(again, lane["turns"] + 1.0, 1.0), lane["turns"])
+        landings = select(turns | still, 0.0, select(hit | comes | missed, landing + 1.0, 0.0))
+        values = {
+            "closing": select(turns, _one(closes), select(still, 0.0, lane["closing"])),
+            "hit length": select(hit & (landing <= 0.0), h, lane["hit length"]),
+            "free length": select(turns & closes, largest(reach, 0.5 * lane["free length"]), lane["free length"]),
+            **{
+                name: lane[name] + _one(flags.running & event)
+                for name, event in zip(COUNTED, (cut & apply("not", hit), hit | comes | missed, turns), strict=True)
+            },
+            "turns": count, "turned at": select(turns, t, lane["turned at"]),
+        }  # fmt: skip
+        shut, speed = self._states(flags.good & still, strikes)
+        waits = _any(shut[n] > 2.5 for n in rigid) | (still & self.decides)
+        state = [
+            *self._moved(flags.good, shut, touch.shut), *self._moved(flags.good, speed, touch.speed),
+            *(
+                x
+                for new, old in (
+                    (self.ends.gap, touch.gap), (self.ends.rate, touch.rate), (self.ends.force, touch.force),
+                    (self.ends.change, touch.change), (self.ends.rigid["pressed"], touch.pressed),
+                    (self.ends.rigid["reserve"], touch.reserve),
+                )
+                for x in self._moved(flags.good, new, old)
+            ),
+            *(values[name] for name in LANE),
+        ]  # fmt: skip
+        unsound = flags.running & still & (self.hits | self.decides) & apply("not", self.struck.sound > 0.0)
+        lost = (landings > float(MOST_LANDINGS)) | (count > float(MOST_TURNS)) | unsound
+        return Turned(state, ahead, _one(turns | (flags.good & waits)), landings, lost)
+
+    def _ahead(self, h: Operand, flags: Lane, hit: Flag, cut: Flag, missed: Flag) -> Operand:
+        """The step to try next [s] if no contact turns."""
+        whole = flags.fits | (flags.ahead >= self.met.ahead)
+        ahead = select(cut, select(hit & apply("not", whole), NEARER * self.met.ahead, self.met.ahead), flags.ahead)
+        return select(missed, largest(flags.ahead, NEARER * h), ahead)
+
+    def _lasting(self) -> Operand:
+        """The shortest time that a contact will last about [s]."""
+        lasting: Operand = FAR
+        for shut, x in zip(self.shut, self.ends.lasting, strict=True):
+            lasting = select(shut & (x > 0.0), least(lasting, x), lasting)
+        return lasting
+
+    def _states(self, still: Flag, strikes: Flag) -> tuple[list[Operand], list[Operand]]:
+        """What contacts are after a good trip, and their speeds; still: it took no time."""
+        touch, ends = self.touch, self.ends
+        shut, speed = list(touch.shut), list(touch.speed)
+        for n in range(self.meets.count):
+            if n not in self.meets.rigid:
+                begins = self.near[n] & apply("not", self.shut[n])
+                shut[n] = select(self.near[n], 1.0 - touch.shut[n], touch.shut[n])
+                speed[n] = select(begins, largest(-ends.rate[n], 0.0), touch.speed[n])
+        ended = _any((self.near[n] & self.shut[n]) | (x > 0.0) for n, x in zip(self.meets.rigid, self.met.spent, strict=True))
+        for k, n in enumerate(self.meets.rigid):
+            end = {name: rows[k] for name, rows in ends.rigid.items()}
+            # at the end of a step
+            goes, way = touch.shut[n], touch.speed[n]
+            goes = select(self.shut[n] & ended & apply("not", strikes), DECIDES, goes)
+            goes = select(self.near[n], select(self.shut[n], OPEN, HITS), goes)
+            way = select(self.near[n], 0.0, way)
+            broken = select(end["tangent"] > 0.0, 1.0, -1.0)  # the force on B along t is -T: it begins to slip so
+            way = select(self.met.spent[k] > 0.0, select(apply("equal", way, 0.0), broken, 0.0), way)
+            # after an impact, and after a decision
+            rises, part = end["calm"], touch.shut[n] > 0.5
+            low = (end["bend"] < 0.0) & (rises * largest(rises, 0.0) <= -2.0 * end["bend"] * self.met.low[k])
+            low = select_flag(self.shut[n], rises <= 0.0, low)
+            after = select(part & low, DECIDES, OPEN)
+            sense = select(end["slip"] > 0.0, 1.0, select(end["slip"] < 0.0, -1.0, 0.0))
+            shut[n] = select(
+                still, select(self.hits, after, select(self.decides, self.struck.shut[k], touch.shut[n])), goes
+            )
+            speed[n] = select(
+                still, select(self.hits, sense, select(self.decides, self.struck.slide[k], touch.speed[n])), way
+            )
+        return shut, speed
+
+    @staticmethod
+    def _moved(good: Flag, new: Sequence[Operand], old: Sequence[Operand]) -> list[Operand]:
+        return [select(good, a, b) for a, b in zip(new, old, strict=True)]
+
+
+def _any(flags: Iterable[Flag]) -> Flag:
+    result: Flag = False
+    for flag in flags:
+        result = result | flag
+    return result

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from rattle.language.recorded import Flag, Operand
 from rattle.trace.graph import apply, both, select
-from rattle.trace.lane_contacts import Ends, Lane, Meets, Met, Touch, touches_of, turn
+from rattle.trace.lane_contacts import Lane, Meeting, Meets
 from rattle.trace.lane_methods import PLAN, PLANNED, Recorded, flag, inputs
 from rattle.trace.reductions import Ledger, Step
 
@@ -62,7 +62,7 @@ class Stops(NamedTuple):
 
 def report_rows(ledger: Ledger, meets: Meets | None = None) -> list[int]:
     """Numbers of rows that `settle` reads: PLANNED, VERDICT, FLAGS; extremes of watched curves in the stages; `Met`,
-    `Ends` of contacts; crossings; curves after the start, at it; `Touch`; rows; CONTROL."""
+    `Ends`, `Struck` of contacts; crossings; curves after the start, at it; `Touch`; rows; CONTROL."""
     wide = ledger.curves + 1
     first = len(PLANNED) + len(VERDICT) + len(FLAGS)
     return [
@@ -70,6 +70,7 @@ def report_rows(ledger: Ledger, meets: Meets | None = None) -> list[int]:
         2 * len(ledger.watched),
         0 if meets is None else meets.met_rows,
         0 if meets is None else meets.end_rows,
+        0 if meets is None else meets.struck_rows,
         2 * len(ledger.conditions),
         ledger.parts * wide,
         wide,
@@ -84,21 +85,22 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
     rows, CONTROL of the next one."""
     parts = report_rows(ledger, meets)
     graph, row = inputs(sum(parts))
-    proposed, shown, met, ends, crossed, after, curves, touch, held, control = (
+    proposed, shown, met, ends, struck, crossed, after, curves, touch, held, control = (
         row[sum(parts[:n]) : sum(parts[: n + 1])] for n in range(len(parts))
     )
     h, t_new, last, short, _, ahead, *flags = proposed
     running, status, number, steps, tries, t, *_ = control
     running, accepted, short, last = (flag(graph, x) for x in (running, flags[0], short, last))
     fits, still = accepted, flag(graph, control[-2])
-    if meets is not None:
-        accepted = (fits & apply("not", Met(meets, met).cut > 0.0)) | still
+    meeting = None if meets is None else Meeting(meets, touch, ends, met, struck)
+    if meeting is not None:
+        accepted = (fits & apply("not", meeting.met.cut > 0.0)) | still
     curves_sound, curves_finite, kept, sound, finite = (flag(graph, x) for x in flags[1:])
     wide = ledger.curves + 1
     samples = [[curves[n], *after[n::wide]] for n in range(ledger.curves)]
     crossings = {curve: (crossed[2 * n], crossed[2 * n + 1]) for n, curve in enumerate(ledger.conditions)}
     seen = dict(zip(ledger.watched, zip(shown, shown[len(ledger.watched) :], strict=False), strict=True))
-    touches = None if meets is None else touches_of(meets, Touch(meets, touch), Ends(meets, ends), Met(meets, met))
+    touches = None if meeting is None else meeting.touches
     rows, asks = ledger.advance(Step(h, t, t_new, number, last, samples, crossings, seen, touches), held)
     accounted = flag(graph, rows[ledger.sound_row]) if ledger.sound_row is not None else True
     reached: Operand = GOING_ON
@@ -111,9 +113,9 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         reached = select(fails, float(why), reached)
     good = both(graph, [running, accepted, reached < 0.0])
     turned = None
-    if meets is not None:
+    if meeting is not None:
         lane = Lane(running, good, fits, still, control[-1], ahead, control[len(CONTROL) - len(PLAN) + 1])
-        turned = turn(meets, Touch(meets, touch), Ends(meets, ends), Met(meets, met), proposed, lane)
+        turned = meeting.turn(proposed, lane)
         reached = select(turned.lost, float(Status.CONTACTS), reached)
         ahead = turned.ahead
     landed = good & last

@@ -35,7 +35,7 @@ def laid_out(model: Model, method: Method, ledger: Ledger) -> Rows:
     """Rows that functions read or write stand next to each other, so that none is gathered."""
     wide, rows, meets = 1 + model.ny, Rows(), model.meets
     report = report_rows(ledger, meets)
-    _, seen, met, ends, crossings, later, curves, touch, held, control = report
+    _, seen, met, ends, struck, crossings, later, curves, touch, held, control = report
     block, slopes = wide + 1 + len(ledger.watched), method.slopes if ledger.sampled else method.stages + 1
     inside = (5 + len(method.upper) + ledger.samples - 1) * wide
     for name, count in (
@@ -43,7 +43,7 @@ def laid_out(model: Model, method: Method, ledger: Ledger) -> Rows:
         ("y new", wide), ("errors", len(method.errors) * wide),
         # the report
         ("planned", len(PLANNED)), ("verdict", len(VERDICT)), ("curve flags", 2), ("flags", len(FLAGS) - 2),
-        ("seen", seen), ("met", met), ("ends", ends),
+        ("seen", seen), ("met", met), ("ends", ends), ("struck", struck),
         ("crossings", crossings), ("later", later), ("curves", curves), ("touch", touch), ("rows", held),
         ("control", control),
         ("good", 1), ("asks", 1), ("next", curves + touch + held + control),
@@ -52,6 +52,7 @@ def laid_out(model: Model, method: Method, ledger: Ledger) -> Rows:
         ("merged", 2 * wide), ("arrived", 2 * wide + curves + ends if model.project is None else 0),
         # share of the step, y, dense output, states between parts
         ("inside", inside if ledger.sampled else 0), ("midway", 0 if meets is None else meets.midway_rows),
+        ("after", model.ny + struck if struck else 0),
     ):  # fmt: skip
         rows.add(name, count)
     if ledger.watched:

@@ -19,8 +19,10 @@ from rattle.errors import TraceError
 from rattle.jit import families
 from rattle.jit import layout as at
 from rattle.language.recorded import Flag, Operand, Recorded, bare
+from rattle.solvers.contacts.gap_search import rate_rounding
 from rattle.trace.graph import Graph, Symbol, both, select
 from rattle.trace.recorded_language import Copies
+from rattle.trace.recorded_rigid import RigidContacts, Struck
 from rattle.value_types import Plain
 
 FIRST_DEPTH = 2.0**-20  # from which that is looked for where a contact turns back [m or rad]
@@ -69,9 +71,12 @@ class Impact(NamedTuple):
 class RecordedContacts:
     """The contacts of a system, n of them, on symbols of one graph."""
 
-    def __init__(self, graph: Graph, system: System) -> None:
-        """Raises TraceError for a contact that cannot be recorded so."""
-        self.graph, self.table = graph, system.arrays["contact"]
+    def __init__(self, graph: Graph, system: System, lanes: bool) -> None:
+        """lanes: rigid contacts may stay shut together, with friction; else, for derivatives, one at a time without.
+
+        Raises TraceError for a contact that cannot be recorded so.
+        """
+        self.graph, self.table, self.lanes = graph, system.arrays["contact"], lanes
         self.joints = tuple(system.joints[n] for n in self.table[:, at.OWNER])
         self.rigid = self.table[:, at.IMPACT] == 1
         values, places = system.arrays["values"], self.table[:, at.NORMAL_P]
@@ -87,13 +92,16 @@ class RecordedContacts:
         self.shut = [graph.input() for _ in self.joints]
         self.speed = [graph.input() for _ in self.joints]
         self.is_shut = [shut > 0.5 for shut in self.shut]
+        if lanes:  # of rigid ones it may be HITS, DECIDES too
+            self.is_shut = [flag & (shut < 1.5) for flag, shut in zip(self.is_shut, self.shut, strict=True)]
+        self._rigid: list[RigidContacts] = []
 
     def __len__(self) -> int:
         return len(self.joints)
 
     def prepare(self, workspace: SimpleNamespace) -> None:
         """Set what kernels find in the memory of contacts."""
-        workspace.closed_contacts_table = (self._hold,) if any(self.lasts) else ()
+        workspace.closed_contacts_table = (self._hold,) if self._rigid else ()
         for n in range(min(len(self), len(workspace.contact_memory))):
             workspace.contact_memory[n, at.CLOSED] = at.SHUT
             workspace.contact_memory[n, at.SPEED] = self.speed[n]
@@ -103,6 +111,11 @@ class RecordedContacts:
         copies.replace(families.call_stiffness, _positive_force)
         copies.replace(families.call_normal, _positive_force)
         self._copies = copies
+        together = [np.flatnonzero(self.rigid).tolist()] if self.lanes else [[n] for n in np.flatnonzero(self.lasts)]
+        self._rigid = [
+            RigidContacts(self.graph, copies, self.table, numbers, self.shut, self.speed, self.is_shut, not all(self.lasts[numbers]))
+            for numbers in together if numbers
+        ]  # fmt: skip
         copies.replace(compliant.measure.python, self._said(copies.of(compliant.measure.python), "the shape"))
         laws = self._said(copies.of(compliant.add_force_of_laws.python), "the law of force or friction")
 
@@ -146,15 +159,25 @@ class RecordedContacts:
         return call
 
     def _hold(self, m: SimpleNamespace) -> None:
-        """Add the force that a rigid contact without friction exerts while it is shut, and no other rigid one is."""
-        for n in np.flatnonzero(self.lasts).tolist():
-            push, away, reaction = _response(m, self._copies, n, 1.0, 0.0)
-            bend = m.contact_kinematics[n, at.GAMMA_N] + _power(push, m.acceleration)  # g'' without it
-            force, shut = -bend / _power(push, away), self.is_shut[n]
-            m.contact_kinematics[n, at.NORMAL] = select(shut, force, 0.0)
-            for array, response in ((m.acceleration, away), (m.multiplier, reaction)):
-                for place in np.ndindex(array.shape):
-                    array[place] = select(shut, array[place] + response[place] * force, array[place])
+        for contacts in self._rigid:
+            contacts.hold(m)
+
+    def struck(self, m: SimpleNamespace, y: np.ndarray) -> Struck | None:
+        """What becomes of the state y (ny,) at an instant at which rigid contacts hit, or their modes are looked for."""
+        return self._rigid[0].struck(m, y) if self._rigid and not m.massless.shape[0] else None
+
+    def bends(self, m: SimpleNamespace) -> dict[int, Operand]:
+        """g'' of rigid contacts [m/s^2 or rad/s^2] at the accelerations in m."""
+        return self._rigid[0].bends(m)[0] if self._rigid else {}
+
+    def calm(self, m: SimpleNamespace, n: int, rate: Operand) -> Operand:
+        """A rate of contact n, 0 where it may be rounding."""
+        return select(abs(rate) <= self._copies.of(rate_rounding.python)(m, n), 0.0, rate)
+
+    def friction(self, m: SimpleNamespace, n: int) -> Operand:
+        """mu of a rigid contact."""
+        mu: Operand = m.values[self.table[n, at.NORMAL_P] + at.MU]
+        return mu
 
     def lasting(self, m: SimpleNamespace) -> list[Operand]:
         """How long contacts that have just begun will last about [s], as `compliant.contact_duration`; 0: unknown."""

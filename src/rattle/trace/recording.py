@@ -48,9 +48,12 @@ class Recorder:
         self._copies = Copies(own, arrays(graph))
         self.contacts: RecordedContacts | None = None  # None: a model with contacts cannot be recorded
 
-    def record_contacts(self, system: System) -> RecordedContacts:
-        """Let systems with the contacts of this one be recorded; before anything else is.  Raises TraceError."""
-        self.contacts = RecordedContacts(self.graph, system)
+    def record_contacts(self, system: System, lanes: bool) -> RecordedContacts:
+        """Let systems with the contacts of this one be recorded; before anything else is.  Raises TraceError.
+
+        lanes: as these follow them, else as derivatives do.
+        """
+        self.contacts = RecordedContacts(self.graph, system, lanes)
         self.contacts.begin(self._copies)
         return self.contacts
 

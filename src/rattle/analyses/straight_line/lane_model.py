@@ -159,14 +159,14 @@ def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, st
     curves = [*asked.curves, *energies]
     watched = reductions.watched(asked.reductions)
     met = _Met(model, asked)
-    size = [ny + 1, ny + 1, len(curves) + 1, len(met.ends), len(met.midway), len(met.levers)]
+    size = [ny + 1, ny + 1, len(curves) + 1, len(met.ends), len(met.midway), len(met.levers), len(met.struck)]
     exact, every = lower(
         graph,
-        [*model.derivative, *model.projection, *curves, model.sound_curves, *met.ends, *met.midway, *met.levers],
+        [*model.derivative, *model.projection, *curves, model.sound_curves, *met.ends, *met.midway, *met.levers, *met.struck],
     )
-    rates, closed, rows, ends, midway, levers = (every[sum(size[:n]) : sum(size[: n + 1])] for n in range(6))
+    rates, closed, rows, ends, midway, levers, struck = (every[sum(size[:n]) : sum(size[: n + 1])] for n in range(7))
     there = replaced(exact, [*rates, *rows, *ends], dict(zip(exact.inputs[1:], closed[:-1], strict=False)))
-    parts = [rates, [*closed, *there], rows, ends, midway, levers]
+    parts = [rates, [*closed, *there], rows, ends, midway, levers, struck]
     if watched:
         parts.append([*rates, *(rows[n] for n in watched)])
     touch = exact.inputs[len(exact.inputs) - 1 - met.inputs : -1]
@@ -176,7 +176,8 @@ def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, st
     places = np.cumsum([0, *map(len, parts)])
     written = [outputs[a:b] for a, b in itertools.pairwise(places)]
     rate, arrive, row, touched, half = (compile_function(late, part) for part in written[:5])
-    watch = [compile_function(late, part) for part in written[6:]]
+    strike = compile_function(late, written[6]) if struck else None
+    watch = [compile_function(late, part) for part in written[7:]]
     prepare = compile_function(early, prepared)
     energy = compile_function(*lower(graph, [energies[-1]]))
 
@@ -197,7 +198,7 @@ def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, st
     return Model(
         ny, met.inputs + len(prepared), len(curves), 6 * nb, controlled, begin, rate, None, row,
         (first, first + 1, first + 2, first + 3, first + 4), watch[0] if watch else None, watched, arrive,
-        met.meets(late, written[5], touched, half),
+        met.meets(late, written[5], touched, half, strike),
     )  # fmt: skip
 
 
@@ -209,7 +210,8 @@ class _Met:
         self.levers: list[Operand] = []
         self.ends: list[Operand] = []
         self.midway: list[Operand] = []
-        self.inputs, self.peaks = 0, ()
+        self.struck: list[Operand] = []
+        self.inputs, self.peaks, self.rigid = 0, (), ()
         if model.contacts is None:
             return
         are, functions = model.contacts.are, model.contacts
@@ -225,8 +227,21 @@ class _Met:
             *normal, *tangent(model.graph, normal, flow),
         ]  # fmt: skip
         self.midway = [*functions.gap, *functions.rate, *normal]
+        self.rigid, self.struck = (), []
+        rigid = functions.rigid
+        if rigid is None:
+            return
+        self.rigid = tuple(rigid.numbers)
+        pressed = [functions.normal[n] for n in self.rigid]
+        self.ends += [*pressed, *rigid.reserve, *rigid.slip, *rigid.tangent, *rigid.bend, *rigid.calm]
+        self.midway += [*pressed, *rigid.reserve]
+        struck = rigid.struck
+        of_contacts = [*struck.shut.values(), *struck.slide.values(), *struck.impulse.values()]
+        self.struck = [*struck.state, *of_contacts, struck.sound]
 
-    def meets(self, late: Graph, levers: Sequence[Operand], touched: Function, midway: Function) -> Meets | None:
+    def meets(
+        self, late: Graph, levers: Sequence[Operand], touched: Function, midway: Function, struck: Function | None
+    ) -> Meets | None:
         """As lanes read it; late: the calculation of every step, levers: what stands for them there."""
         if self.model.contacts is None:
             return None
@@ -235,7 +250,7 @@ class _Met:
         table = self.model.system.arrays["contact"]
         width = len(values) // len(table)
         entries = [values[n * width : (n + 1) * width] for n in range(len(table))]
-        return Meets(table, entries, 3 * self.model.system.body_count, touched, midway, self.peaks)
+        return Meets(table, entries, 3 * self.model.system.body_count, touched, midway, self.peaks, self.rigid, struck)
 
 
 def _number(graph: Graph, x: Operand) -> float:

@@ -32,8 +32,9 @@ from rattle.results.columns import columns, width
 from rattle.results.result import UnknownName
 from rattle.solvers.output_row import record
 from rattle.trace.elementary import lower
-from rattle.trace.graph import Graph, both
+from rattle.trace.graph import Graph, both, select
 from rattle.trace.recorded_contacts import Impact, RecordedContacts
+from rattle.trace.recorded_rigid import Struck
 from rattle.trace.recording import Recorder, Recording
 from rattle.trace.symbol_arrays import Table
 from rattle.value_types import Tree
@@ -56,11 +57,25 @@ class ContactFunctions:
     across: list[Operand]  # speeds of centres of pins across their normals [m/s]
     lasting: list[Operand]  # how long it will last about, which has just begun [s]; 0: unknown
     impacts: dict[int, list[Impact]]  # of the rigid ones; of one that may last with its restitution, and without
+    rigid: RigidFunctions | None = None  # of lanes
 
     @property
     def count(self) -> int:
         """Number of contacts."""
         return len(self.are)
+
+
+@dataclass(frozen=True)
+class RigidFunctions:
+    """Recorded functions of the rigid contacts of a model, which lanes follow; lists by contact, in order."""
+
+    numbers: list[int]
+    reserve: list[Operand]  # above zero while it slips as it does [m/s], or sticks [N]
+    slip: list[Operand]  # [m/s], 0 where it may be rounding
+    calm: list[Operand]  # rate of the gap [m/s or rad/s] likewise
+    tangent: list[Operand]  # T of B against A along t [N]
+    bend: list[Operand]  # second derivative of the gap [m/s^2 or rad/s^2]
+    struck: Struck
 
 
 @dataclass(frozen=True)
@@ -132,11 +147,12 @@ class RecordedModel:
 
 def record_model(
     document: Tree, system: System, start: Assembled, names: Sequence[str] = (), *, contacts: bool = False,
+    lanes: bool = False,
 ) -> RecordedModel:  # fmt: skip
     """Record a model.  names: parameters that become inputs.
 
     document: the tables of the model file, of which `system` was made.  contacts: whether contacts are recorded, their
-    states as further constants.
+    states as further constants; lanes: as these follow them, else for derivatives.
     Raises TraceError, with the reason, where it cannot be straight-line code; UnknownName.
     """
     require_parameters(system, names)
@@ -151,10 +167,10 @@ def record_model(
     }
     recorded = compile_system(_counting(read(document, chosen=chosen), system, recorder)) if names else system
     _require_known_states(recorded)
-    met = recorder.record_contacts(recorded) if contacts else None
+    met = recorder.record_contacts(recorded, lanes) if contacts else None
     recording = Recording(recorded, recorder)
     rate, sound_rate = recording.guarded(lambda: recording.derivative(t, y))
-    touching = _record_contacts(recording, recorder, met, t, y) if met is not None else None
+    touching = _record_contacts(recording, recorder, met, t, y, lanes) if met is not None else None
     closed, sound_closed = recording.guarded(lambda: recording.projection(t, y))
     curves, units, sound_row = record_curves(recording, t, y)
     curves["energy.balance"] = curves["energy.balance"] - graph.input()
@@ -171,18 +187,38 @@ def record_model(
 
 
 def _record_contacts(
-    recording: Recording, recorder: Recorder, met: RecordedContacts, t: Operand, y: np.ndarray
+    recording: Recording, recorder: Recorder, met: RecordedContacts, t: Operand, y: np.ndarray, lanes: bool
 ) -> ContactFunctions:
     """Gaps, forces and impacts of contacts."""
 
-    def measured() -> tuple[SimpleNamespace, dict[int, list[Impact]]]:
+    def measured() -> tuple[SimpleNamespace, dict[int, list[Impact]], RigidFunctions | None]:
         workspace = recording.run(derivative, t, y, np.zeros(len(y), dtype=object))
-        return workspace, recorder.impacts(workspace, y)
+        if lanes:
+            return workspace, {}, _rigid(met, workspace, y)
+        return workspace, recorder.impacts(workspace, y), None
 
-    (workspace, impacts), _ = recording.guarded(measured)
+    (workspace, impacts, rigid), _ = recording.guarded(measured)
     kept = (at.GAP, at.DGAP, at.NORMAL, at.ACROSS)
     gap, rate, normal, across = (list(workspace.contact_kinematics[:, column]) for column in kept)
-    return ContactFunctions(met, gap, rate, normal, across, met.lasting(workspace), impacts)
+    return ContactFunctions(met, gap, rate, normal, across, met.lasting(workspace), impacts, rigid)
+
+
+def _rigid(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray) -> RigidFunctions | None:
+    """Functions of rigid contacts at the state y, for which the equations of motion stand in m."""
+    struck, kinematics = met.struck(m, y), m.contact_kinematics
+    if struck is None:
+        return None
+    numbers, bends = np.flatnonzero(met.rigid).tolist(), met.bends(m)
+    reserve, slip, calm, tangent = [], [], [], []
+    for n in numbers:
+        slips, held = met.calm(m, n, kinematics[n, at.SLIP]), kinematics[n, at.TANGENT]
+        sticks = abs(met.speed[n]) < 0.5
+        left = met.friction(m, n) * kinematics[n, at.NORMAL] - abs(held)
+        reserve.append(1.0 if met.lasts[n] else select(sticks, left, met.speed[n] * kinematics[n, at.SLIP]))
+        slip.append(slips)
+        calm.append(met.calm(m, n, kinematics[n, at.DGAP]))
+        tangent.append(held)
+    return RigidFunctions(numbers, reserve, slip, calm, tangent, [bends[n] for n in numbers], struck)
 
 
 def record_curves(recording: Recording, t: Operand, y: np.ndarray) -> tuple[dict[str, Operand], dict[str, str], Flag]:

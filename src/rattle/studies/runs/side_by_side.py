@@ -134,7 +134,6 @@ def _require_followed(system: System, adaptive: bool) -> None:
         if not adaptive:
             raise TraceError(f"steps of equal length do not end at contacts (joint {joint})")
         for has, words in (
-            (entry[at.IMPACT] == 1, "rigid contacts"),
             (entry[at.BY_FORCE] == 1, "contacts that end where their force does"),
             (lever[at.ONE_WAY] > 0.0, "contacts that end at an end"),
         ):

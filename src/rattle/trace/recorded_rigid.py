@@ -1,0 +1,439 @@
+"""Rigid contacts of a recorded model: their forces while they are shut, their impulses, and how they go on after.
+
+At most SLOTS of them take part at one instant: those that are shut or hit.  With f = (N, T) of each of these, N away
+from its wall and T along the slip of B, rates and accelerations of their gaps and slips are
+
+    a = G f + b,        G = W M^-1 W^T with all joints and drivers kept
+
+An impact (Newton) and the modes that last are the solutions of
+
+    0 <= N,  0 <= a_n,  N a_n = 0;      a_t = 0 and |T| <= mu N, or T = -mu N sign(a_t)
+
+with a = g'+ + e g'- and u+ + e_t u- in an impact, and g'', u' where rates are zero.  All modes are tried, each is a
+formula; none or two that fit are said by a flag.
+
+Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapters 5 to 8.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle.equations import compliant, motion
+from rattle.equations.state import IMPULSE, LOSS, WORK, account_at, energies_at
+from rattle.jit import layout as at
+from rattle.language.recorded import Flag, Operand
+from rattle.trace.graph import Graph, Symbol, apply, both, select
+from rattle.trace.recorded_language import Copies
+
+SLOTS = 2  # contacts that take part at one instant
+# what a contact is: its state as an input of the graph
+OPEN, SHUT, HITS, DECIDES = 0.0, 1.0, 2.0, 3.0
+OFF, STICKS, FORWARD, BACKWARD = range(4)  # modes
+SLIGHT = 1e-12  # share by which a bound may be missed: rounding
+ALIKE = 1e-9  # share by which two solutions may differ that count as one
+
+
+class Struck(NamedTuple):
+    """What becomes of a state with rigid contacts at an instant at which no time passes."""
+
+    state: list[Operand]  # (ny,) after impulses, on the walls that are touched
+    shut: dict[int, Operand]  # by contact: 1 if it is shut from then on, 0
+    slide: dict[int, Operand]  # and the sense of its slip, 0: none
+    impulse: dict[int, Operand]  # [N s or N m s]
+    sound: Flag  # a flag: there is one solution
+
+
+class _Slot(NamedTuple):
+    """The contact that takes part in one place."""
+
+    chosen: dict[int, Flag]  # by contact: it is this one
+    taken: Flag  # there is one
+    push: list[np.ndarray]  # generalised impulses (nb + 1, 3) of units of N and of T
+    away: list[np.ndarray]  # change of rates by them
+    reaction: list[np.ndarray]  # multipliers
+
+    def of(self, values: dict[int, Operand]) -> Operand:
+        """The value of the contact that is here."""
+        result: Operand = 0.0
+        for n, flag in self.chosen.items():
+            result = select(flag, values[n], result)
+        return result
+
+
+class RigidContacts:
+    """Those of a system on symbols of one graph."""
+
+    def __init__(
+        self, graph: Graph, copies: Copies, table: np.ndarray, numbers: Sequence[int], shut: Sequence[Operand],
+        slide: Sequence[Operand], is_shut: Sequence[Flag], rough: bool,
+    ) -> None:  # fmt: skip
+        """numbers: which contacts of the table; shut, slide, is_shut: of all contacts; rough: some may have friction."""
+        self.graph, self._copies, self.table, self.numbers = graph, copies, table, list(numbers)
+        self.state, self.slide, self.rough = shut, slide, rough
+        self.shut = {n: is_shut[n] for n in self.numbers}
+        self.width = 2 if rough else 1
+
+    # ---------------------------------------------------------------- responses
+    def _slots(self, m: SimpleNamespace, flags: dict[int, Flag]) -> tuple[list[_Slot], Flag]:
+        """The contacts that take part; a flag: there are no more."""
+        units = {n: [self._unit(m, n, 1.0, 0.0), self._unit(m, n, 0.0, -1.0)][: self.width] for n in self.numbers}
+        slots, alone = [], len(self.numbers) == 1
+        for k in range(min(SLOTS, len(self.numbers))):
+            seen: Operand = 0.0
+            chosen: dict[int, Flag] = {}
+            for n in self.numbers:
+                chosen[n] = flags[n] if alone else flags[n] & apply("equal", seen, float(k))
+                seen = seen + select(flags[n], 1.0, 0.0)
+            taken: Flag = False
+            for flag in chosen.values():
+                taken = taken | flag
+            push = [self._chosen(chosen, [units[n][r] for n in self.numbers]) for r in range(self.width)]
+            responses = [self._respond(m, impulse) for impulse in push]
+            slots.append(_Slot(chosen, taken, push, [x[0] for x in responses], [x[1] for x in responses]))
+        total: Operand = 0.0
+        for n in self.numbers:
+            total = total + select(flags[n], 1.0, 0.0)
+        return slots, total <= float(SLOTS)
+
+    def _chosen(self, chosen: dict[int, Flag], arrays: list[np.ndarray]) -> np.ndarray:
+        if len(arrays) == 1:
+            return arrays[0]
+        result = np.zeros(arrays[0].shape, dtype=object)
+        for place in np.ndindex(result.shape):
+            value: Operand = 0.0
+            for flag, array in zip(chosen.values(), arrays, strict=True):
+                if isinstance(array[place], Symbol) or array[place] != 0.0:
+                    value = select(flag, array[place], value)
+            result[place] = value
+        return result
+
+    def _unit(self, m: SimpleNamespace, n: int, normal: float, tangent: float) -> np.ndarray:
+        impulse = np.zeros(m.force.shape, dtype=object)
+        a, b = m.contact[n, at.A_BODY], m.contact[n, at.B_BODY]
+        self._copies.of(compliant.add_contact_force.python)(
+            impulse, m.contact_kinematics, a, b, n, normal, tangent
+        )
+        impulse[0] = 0.0
+        return impulse
+
+    def _respond(self, m: SimpleNamespace, impulse: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        held = m.force.copy(), m.rows[:, at.GAMMA].copy(), m.acceleration.copy(), m.multiplier.copy()
+        m.force[:], m.rows[:, at.GAMMA] = impulse, 0.0
+        self._copies.of(motion.accelerate.python)(m)
+        answer = m.acceleration.copy(), m.multiplier.copy()
+        m.force[:], m.rows[:, at.GAMMA], m.acceleration[:], m.multiplier[:] = held
+        return answer
+
+    def _matrix(self, slots: list[_Slot]) -> list[list[Operand]]:
+        """G: rows and columns N, T of each slot in turn."""
+        pushes = [push for slot in slots for push in slot.push]
+        aways = [away for slot in slots for away in slot.away]
+        return [[_power(push, away) for away in aways] for push in pushes]
+
+    def bends(self, m: SimpleNamespace) -> tuple[dict[int, Operand], dict[int, Operand]]:
+        """g'' and the rate of slip of each contact by the present accelerations."""
+        kinematics, normal, tangent = m.contact_kinematics, {}, {}
+        for n in self.numbers:
+            normal[n] = kinematics[n, at.GAMMA_N] + _power(self._unit(m, n, 1.0, 0.0), m.acceleration)
+            if self.rough:
+                tangent[n] = _power(self._unit(m, n, 0.0, -1.0), m.acceleration) - kinematics[n, at.GAMMA_T]
+        return normal, tangent
+
+    # ---------------------------------------------------------------- forces that last
+    def hold(self, m: SimpleNamespace) -> None:
+        """Add the forces of contacts that are shut to the accelerations, with N, T and what they lose."""
+        slots, _ = self._slots(m, self.shut)
+        normal, tangent = self.bends(m)
+        forces = self._in_modes(m, slots, [(slot.of(normal), slot.of(tangent) if self.rough else 0.0) for slot in slots])
+        for target, what in ((m.acceleration, "away"), (m.multiplier, "reaction")):
+            before = target.copy()
+            self._add(target, slots, forces, what)
+            for place in np.ndindex(target.shape):
+                if target[place] is not before[place]:
+                    target[place] = select(slots[0].taken, target[place], before[place])
+        kinematics = m.contact_kinematics
+        for n in self.numbers:
+            pressed = _sum(select(slot.chosen[n], f[0], 0.0) for slot, f in zip(slots, forces, strict=True))
+            kinematics[n, at.NORMAL] = pressed
+            if self.rough:
+                held = _sum(select(slot.chosen[n], f[1], 0.0) for slot, f in zip(slots, forces, strict=True))
+                kinematics[n, at.TANGENT] = -held
+                sticks = apply("equal", self.slide[n], 0.0)
+                kinematics[n, at.LOSS] = select(sticks, 0.0, -held * kinematics[n, at.SLIP])
+
+    def _in_modes(
+        self, m: SimpleNamespace, slots: list[_Slot], free: list[tuple[Operand, Operand]], rubs: bool = True,
+    ) -> list[list[Operand]]:  # fmt: skip
+        """N and T of each slot that keep g'' or g', and slips of those that stick, at zero; free: without them.
+
+        rubs: False for impulses that only take what rounding has left.
+        """
+        g, w = self._matrix(slots), self.width
+        rows: list[list[Operand]] = []
+        for k, slot in enumerate(slots):
+            rows.append([
+                *(select(slot.taken, x, 1.0 if j == w * k else 0.0) for j, x in enumerate(g[w * k])),
+                select(slot.taken, -free[k][0], 0.0),
+            ])  # fmt: skip
+            if not self.rough:
+                continue
+            slide, mu = slot.of(dict(enumerate(self.slide))), slot.of(self._of(m, at.MU))
+            sticks = slot.taken & apply("equal", slide, 0.0) & (mu > 0.0)
+            share = slide * mu if rubs else 0.0
+            slips = [0.0] * (w * len(slots))
+            slips[w * k], slips[w * k + 1] = share, 1.0
+            rows.append([
+                *(select(sticks, x, y) for x, y in zip(g[w * k + 1], slips, strict=True)),
+                select(sticks, -free[k][1], 0.0),
+            ])  # fmt: skip
+        f = _solved(rows)
+        return [f[w * k : w * k + w] for k in range(len(slots))]
+
+    def _add(
+        self, target: np.ndarray, slots: list[_Slot], f: Sequence[Sequence[Operand]], what: str
+    ) -> None:
+        for slot, forces in zip(slots, f, strict=True):
+            for response, force in zip(getattr(slot, what), forces, strict=True):
+                for place in np.ndindex(target.shape):
+                    if isinstance(response[place], Symbol) or response[place] != 0.0:
+                        target[place] = target[place] + response[place] * force
+
+    def _of(self, m: SimpleNamespace, field: int) -> dict[int, Operand]:
+        return {n: m.values[self.table[n, at.NORMAL_P] + field] for n in self.numbers}
+
+    # ---------------------------------------------------------------- instants
+    def struck(self, m: SimpleNamespace, y: np.ndarray) -> Struck:
+        """What becomes of the state y (ny,), for which the equations of motion without closed contacts stand in m."""
+        parts = {n: self.state[n] > 0.5 for n in self.numbers}
+        slots, enough = self._slots(m, parts)
+        hits: Flag = False
+        decides: Flag = False
+        for n in self.numbers:
+            hits = hits | ((self.state[n] > 1.5) & (self.state[n] < 2.5))
+            decides = decides | (self.state[n] > 2.5)
+        rate = {n: m.contact_kinematics[n, at.DGAP] for n in self.numbers}
+        slip = {n: m.contact_kinematics[n, at.SLIP] for n in self.numbers}
+        struck, met = self._solution(m, slots, [self._before(m, slot, rate, slip) for slot in slots], hits)
+        kept = self._in_modes(m, slots, [(slot.of(rate), slot.of(slip)) for slot in slots], rubs=False)
+        impulses = [
+            [select(hits, a, b) for a, b in zip(x, y_, strict=True)] for x, y_ in zip(struck, kept, strict=True)
+        ]
+        state = self._after(m, y, slots, impulses, rate, slip)
+        normal, tangent = self.bends(m)
+        bends = [(-slot.of(normal), -slot.of(tangent) if self.rough else 0.0) for slot in slots]
+        _, lasts, modes = self._tried(m, slots, bends, lasting=True)
+        shut: dict[int, Operand] = {}
+        slide: dict[int, Operand] = {}
+        impulse: dict[int, Operand] = {}
+        for n in self.numbers:
+            mode = _sum(select(slot.chosen[n], x, 0.0) for slot, x in zip(slots, modes, strict=True))
+            shut[n] = select(decides, select(mode > 0.5, SHUT, OPEN), self.state[n])
+            way = select(mode < 1.5, 0.0, select(mode < 2.5, 1.0, -1.0))
+            slide[n] = select(decides, select(mode > 0.5, way, 0.0), self.slide[n])
+            pressed = _sum(select(slot.chosen[n], f[0], 0.0) for slot, f in zip(slots, struck, strict=True))
+            impulse[n] = select(hits, pressed, 0.0)
+        sound = enough & (met | apply("not", hits)) & (lasts | apply("not", decides))
+        return Struck(state, shut, slide, impulse, sound)
+
+    def _before(
+        self, m: SimpleNamespace, slot: _Slot, rate: dict[int, Operand], slip: dict[int, Operand]
+    ) -> tuple[Operand, Operand]:
+        """-b of an impact: (1 + e) g', (1 + e_t) u of what hits; rates alone of what is shut."""
+        hits = slot.of({n: select(self.state[n] > 1.5, 1.0, 0.0) for n in self.numbers})
+        e, e_t = (slot.of(self._of(m, k)) for k in (at.RESTITUTION, at.TANGENTIAL_RESTITUTION))
+        normal = -(1.0 + hits * e) * slot.of(rate)
+        return normal, (-(1.0 + hits * e_t) * slot.of(slip) if self.rough else 0.0)
+
+    def _solution(
+        self, m: SimpleNamespace, slots: list[_Slot], right: list[tuple[Operand, Operand]], hits: Flag
+    ) -> tuple[list[list[Operand]], Flag]:
+        f, sound, _ = self._tried(m, slots, right, lasting=False)
+        return f, sound
+
+    def _tried(
+        self, m: SimpleNamespace, slots: list[_Slot], right: list[tuple[Operand, Operand]], lasting: bool
+    ) -> tuple[list[list[Operand]], Flag, list[Operand]]:
+        """N and T of each slot; a flag: one solution fits; modes.  right: -b.
+
+        lasting: contacts whose sense of slip is given keep it.
+        """
+        g, w = self._matrix(slots), self.width
+        options = [OFF, FORWARD] if not self.rough else [OFF, STICKS, FORWARD, BACKWARD]
+        mus = [slot.of(self._of(m, at.MU)) if self.rough else 0.0 for slot in slots]
+        slides = [slot.of(dict(enumerate(self.slide))) if self.rough else 0.0 for slot in slots]
+        best: list[list[Operand]] = [[0.0] * w for _ in slots]
+        modes: list[Operand] = [0.0] * len(slots)
+        found: Flag = False
+        double: Flag = False
+        for combination in itertools.product(options, repeat=len(slots)):
+            f = self._forces(g, right, mus, combination)
+            fits = both(self.graph, self._conditions(g, right, slots, mus, slides, combination, f, lasting))
+            off = _sum(abs(x[0] - y[0]) for x, y in zip(f, best, strict=True))
+            size = _sum(abs(x[0]) + abs(y[0]) for x, y in zip(f, best, strict=True))
+            double = double | (fits & found & (off > ALIKE * size))
+            first = fits & apply("not", found)
+            best = [
+                [select(first, a, b) for a, b in zip(x, y, strict=True)] for x, y in zip(f, best, strict=True)
+            ]
+            modes = [select(first, float(mode), x) for mode, x in zip(combination, modes, strict=True)]
+            found = found | fits
+        return best, found & apply("not", double), modes
+
+    def _forces(
+        self, g: list[list[Operand]], right: list[tuple[Operand, Operand]], mus: list[Operand],
+        combination: Sequence[int],
+    ) -> list[list[Operand]]:  # fmt: skip
+        """N and T of each slot in these modes."""
+        w = self.width
+        unknown = [(k, r) for k, mode in enumerate(combination) for r in range(w)
+                   if (mode != OFF and r == 0) or (mode == STICKS and r == 1)]  # fmt: skip
+        rows = []
+        for k, r in unknown:
+            row = [
+                g[w * k + r][w * j + s] + self._pull(combination[j], mus[j]) * g[w * k + r][w * j + 1]
+                if s == 0 and w == 2 and combination[j] in (FORWARD, BACKWARD)
+                else g[w * k + r][w * j + s]
+                for j, s in unknown
+            ]
+            rows.append([*row, right[k][r]])
+        solution = dict(zip(unknown, _solved(rows), strict=True))
+        f = []
+        for k, mode in enumerate(combination):
+            normal = solution.get((k, 0), 0.0)
+            tangent = solution[k, 1] if mode == STICKS else self._pull(mode, mus[k]) * normal
+            f.append([normal, tangent][:w])
+        return f
+
+    @staticmethod
+    def _pull(mode: int, mu: Operand) -> Operand:
+        """T / N where a contact slips."""
+        return -mu if mode == FORWARD else mu if mode == BACKWARD else 0.0
+
+    def _conditions(
+        self, g: list[list[Operand]], right: list[tuple[Operand, Operand]], slots: list[_Slot], mus: list[Operand],
+        slides: list[Operand], combination: Sequence[int], f: list[list[Operand]], lasting: bool,
+    ) -> list[Flag]:  # fmt: skip
+        flat, w = [x for pair in f for x in pair], self.width
+        flags: list[Flag] = []
+        for k, mode in enumerate(combination):
+            if mode == OFF:
+                gains = _sum(x * y for x, y in zip(g[w * k], flat, strict=True)) - right[k][0]
+                flags.append((gains >= -SLIGHT * abs(right[k][0])) | apply("not", slots[k].taken))
+                continue
+            flags += [slots[k].taken, f[k][0] >= 0.0]
+            if not self.rough:
+                continue
+            if mode == STICKS:
+                flags.append(abs(f[k][1]) <= (1.0 + SLIGHT) * mus[k] * f[k][0])
+                if lasting:
+                    flags.append(apply("equal", slides[k], 0.0))
+                continue
+            sense = 1.0 if mode == FORWARD else -1.0
+            slips = _sum(x * y for x, y in zip(g[w * k + 1], flat, strict=True)) - right[k][1]
+            away = sense * slips >= 0.0
+            if lasting:
+                given = apply("not", apply("equal", slides[k], 0.0))
+                away = select_flag(given, sense * slides[k] > 0.0, away)
+            flags.append(away)
+        return flags
+
+    def _after(
+        self, m: SimpleNamespace, y: np.ndarray, slots: list[_Slot], impulses: list[list[Operand]],
+        rate: dict[int, Operand], slip: dict[int, Operand],
+    ) -> list[Operand]:  # fmt: skip
+        """y after impulses, with the walls that are touched at their places; what else its energy gains is work of
+        drivers."""
+        nq = m.change.shape[0]
+        moved = np.zeros(m.acceleration.shape, dtype=object)
+        self._add(moved, slots, impulses, "away")
+        gap = {n: m.contact_kinematics[n, at.GAP] for n in self.numbers}
+        ways = self._put_back(slots, [slot.of(gap) for slot in slots])
+        placed = np.zeros(m.acceleration.shape, dtype=object)
+        self._add(placed, slots, ways, "away")
+        state, gained = list(y), 0.0
+        for i in range(1, m.mass.shape[0]):
+            for k in range(3):
+                place, new = nq + 3 * i - 3 + k, y[nq + 3 * i - 3 + k] + moved[i, k]
+                state[3 * i - 3 + k] = y[3 * i - 3 + k] + placed[i, k]
+                state[place] = new
+                gained = gained + 0.5 * m.mass[i, k] * (moved[i, k] * (new + y[place]))
+        g, flat = self._matrix(slots), [x for pair in impulses for x in pair]
+        after = [_sum(x * f for x, f in zip(row, flat, strict=True)) for row in g]
+        total: Operand = 0.0
+        works = []
+        for k, slot in enumerate(slots):
+            pairs = [(slot.of(rate), impulses[k][0], after[self.width * k])]
+            if self.rough:
+                pairs.append((slot.of(slip), impulses[k][1], after[self.width * k + 1]))
+            works.append(_sum(f * (v + 0.5 * dv) for v, f, dv in pairs))
+            total = total + works[-1]
+        for n in self.numbers:
+            account = self._copies.of(account_at.python)(m, n)
+            lost = _sum(select(slot.chosen[n], x, 0.0) for slot, x in zip(slots, works, strict=True))
+            pressed = _sum(select(slot.chosen[n], f[0], 0.0) for slot, f in zip(slots, impulses, strict=True))
+            state[account + LOSS] = state[account + LOSS] - lost
+            state[account + IMPULSE] = state[account + IMPULSE] + pressed
+        driven = self._copies.of(energies_at.python)(m) + WORK
+        state[driven] = state[driven] + gained - total
+        return state
+
+    def _put_back(self, slots: list[_Slot], gaps: list[Operand]) -> list[list[Operand]]:
+        """What moves the contacts that take part onto their walls."""
+        g, w = self._matrix(slots), self.width
+        rows = [
+            [
+                *(select(slot.taken & slots[j].taken, g[w * k][w * j], 1.0 if j == k else 0.0) for j in range(len(slots))),
+                select(slot.taken, -gaps[k], 0.0),
+            ]
+            for k, slot in enumerate(slots)
+        ]  # fmt: skip
+        return [[x, *[0.0] * (w - 1)] for x in _solved(rows)]
+
+
+def select_flag(condition: Flag, yes: Flag, no: Flag) -> Flag:
+    """A flag by a condition."""
+    return (condition & yes) | (apply("not", condition) & no)
+
+
+def _power(impulse: np.ndarray, rates: np.ndarray) -> Operand:
+    total: Operand = 0.0
+    for place in np.ndindex(impulse.shape):
+        if place[0] > 0:
+            total = total + impulse[place] * rates[place]
+    return total
+
+
+def _sum(terms: object) -> Operand:
+    total: Operand = 0.0
+    for term in terms:  # type: ignore[attr-defined]
+        total = total + term
+    return total
+
+
+def _solved(rows: list[list[Operand]]) -> list[Operand]:
+    """x of A x = b from rows (A, b), by elimination as they stand: no pivot is looked for."""
+    rows, size = [list(row) for row in rows], len(rows)
+    for c in range(size):
+        for r in range(c + 1, size):
+            if _is_zero(rows[r][c]):
+                continue
+            factor = rows[r][c] / rows[c][c]
+            for j in range(c + 1, size + 1):
+                rows[r][j] = rows[r][j] - factor * rows[c][j]
+    x: list[Operand] = [0.0] * size
+    for r in reversed(range(size)):
+        value = rows[r][size]
+        for j in range(r + 1, size):
+            value = value - rows[r][j] * x[j]
+        x[r] = value / rows[r][r]
+    return x
+
+
+def _is_zero(x: Operand) -> bool:
+    return not isinstance(x, Symbol) and x == 0.0
