@@ -251,6 +251,7 @@ class Batch:
         control[RUNNING], control[STATUS] = 1.0, GOING_ON
         plan = control[len(CONTROL) - len(PLAN) :]
         plan[1], plan[2], plan[5] = stock.ahead[columns], program.stops[0], program.counts[0]
+        plan[PLAN.index("still")] = stock.still[columns]
         self._put("control", lanes, control)
 
     def go_on(self, lanes: np.ndarray, stop: float) -> None:

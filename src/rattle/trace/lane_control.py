@@ -98,10 +98,13 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
     curves_sound, curves_finite, kept, sound, finite = (flag(graph, x) for x in flags[1:])
     wide = ledger.curves + 1
     samples = [[curves[n], *after[n::wide]] for n in range(ledger.curves)]
+    if meets is not None:  # where no time passes, what holds from then on counts alone
+        samples = [[select(still, row[-1], x) for x in row] for row in samples]
     crossings = {curve: (crossed[2 * n], crossed[2 * n + 1]) for n, curve in enumerate(ledger.conditions)}
     seen = dict(zip(ledger.watched, zip(shown, shown[len(ledger.watched) :], strict=False), strict=True))
     touches = None if meeting is None else meeting.touches
-    rows, asks = ledger.advance(Step(h, t, t_new, number, last, samples, crossings, seen, touches), held)
+    at_start = still & (t_new <= 0.0) if meets is not None and meets.rigid else False
+    rows, asks = ledger.advance(Step(h, t, t_new, number, last, samples, crossings, seen, touches), held, at_start)
     accounted = flag(graph, rows[ledger.sound_row]) if ledger.sound_row is not None else True
     reached: Operand = GOING_ON
     for fails, why in (  # the last one that holds counts
@@ -133,7 +136,7 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
     last_curves, rows = (
         [select(good, new, old) for new, old in zip(*pair, strict=True)] for pair in ((after[-wide:], curves), (rows, held))
     )
-    return graph, [good, good & asks, *last_curves, *(turned.touch if turned else ()), *rows, *controlled]
+    return graph, [good, taken & asks, *last_curves, *(turned.touch if turned else ()), *rows, *controlled]
 
 
 def _plan(stops: Stops, adaptive: bool, landed: Flag, number: Operand, plan: Sequence[Operand]) -> list[Operand]:

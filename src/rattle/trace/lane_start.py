@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from rattle.jit import layout as at
+from rattle.solvers.nonsmooth.event_driven import START_NEAR
+from rattle.trace.lane_contacts import Ends, Row
 from rattle.trace.lane_control import Status
 from rattle.trace.lane_program import Program
+from rattle.trace.recorded_rigid import DECIDES, HITS, OPEN, SHUT
 
 
 class Stock:
@@ -25,6 +29,7 @@ class Stock:
         self.y, self.rate, self.constants = self._try[:ny], self._try[ny : 2 * ny], self._state[1 + ny :]
         self.curves = np.zeros((model.curves + 1, n))
         self.rows = np.zeros((program.ledger.rows, n))
+        self.still = np.zeros(n)  # 1: the first trip takes no time
         self.touch = np.zeros((0 if model.meets is None else model.meets.touch_rows, n))  # see `lane_contacts.Touch`
         self._first = np.zeros((1, n))
         self.ahead = self._first[0]
@@ -62,19 +67,36 @@ class Stock:
         return status[:k]
 
     def _touch(self) -> np.ndarray:
-        """Contacts at the start, which are open; (n,) True where all gaps are."""
+        """Contacts at the start; (n,) True where none is beyond its wall.  What rigid ones at theirs do is found in a
+        trip that takes no time."""
         program, meets = self.program, self.program.model.meets
+        self.still[:] = 0.0
         if meets is None:
             return np.ones(self.n, dtype=bool)
         count, ny = meets.count, program.model.ny
         state = self._state.copy()
         state[0], state[1 : 1 + ny] = 0.0, self.y
-        ends = np.zeros((meets.end_rows, self.n))
-        meets.touched(state, ends)
+        rows = np.zeros((meets.end_rows, self.n))
+        meets.touched(state, rows)
         self.touch[:] = 0.0
-        self.touch[2 * count : 4 * count] = ends[: 2 * count]
+        self.touch[2 * count : 4 * count] = rows[: 2 * count]
         self.touch[-1] = -np.inf  # no contact has turned yet
-        return np.asarray((ends[:count] > 0.0).all(axis=0))
+        apart = np.asarray(rows[:count] > 0.0)
+        ends, near = Ends(meets, list(rows)), {}
+        for k, n in enumerate(meets.rigid):
+            scale = meets.lever[n][at.GAP_SCALE]
+            size = state[scale.place] if isinstance(scale, Row) else scale
+            near[n] = (rows[n] <= START_NEAR * size) & (ends.rigid["calm"][k] <= 0.0)
+            apart[n] = rows[n] > -START_NEAR * size
+        hits = {n: near[n] & (ends.rigid["calm"][k] < 0.0) for k, n in enumerate(meets.rigid)}
+        any_hits = np.any([*hits.values(), np.zeros(self.n, dtype=bool)], axis=0)
+        for k, n in enumerate(meets.rigid):
+            rests = np.where(any_hits, SHUT, DECIDES)
+            self.touch[n] = np.where(hits[n], HITS, np.where(near[n], rests, OPEN))
+            self.touch[count + n] = np.where(near[n], np.sign(ends.rigid["slip"][k]), 0.0)
+            self.still[near[n]] = 1.0
+        self.constants[: 2 * count] = self.touch[: 2 * count]
+        return np.asarray(apart.all(axis=0))
 
     @property
     def evaluations(self) -> int:

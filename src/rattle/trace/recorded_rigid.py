@@ -1,6 +1,6 @@
 """Rigid contacts of a recorded model: their forces while they are shut, their impulses, and how they go on after.
 
-At most SLOTS of them take part at one instant: those that are shut or hit.  With f = (N, T) of each of these, N away
+A few of them, see SLOTS, take part at one instant: those that are shut or hit.  With f = (N, T) of each of these, N away
 from its wall and T along the slip of B, rates and accelerations of their gaps and slips are
 
     a = G f + b,        G = W M^-1 W^T with all joints and drivers kept
@@ -31,11 +31,12 @@ from rattle.language.recorded import Flag, Operand
 from rattle.trace.graph import Graph, Symbol, apply, both, select
 from rattle.trace.recorded_language import Copies
 
-SLOTS = 2  # contacts that take part at one instant
+SLOTS, SMOOTH_SLOTS = 2, 3  # contacts that take part at one instant, with friction and without
 # what a contact is: its state as an input of the graph
 OPEN, SHUT, HITS, DECIDES = 0.0, 1.0, 2.0, 3.0
 OFF, STICKS, FORWARD, BACKWARD = range(4)  # modes
 SLIGHT = 1e-12  # share by which a bound may be missed: rounding
+VANISHING = 1e-11  # share of a diagonal of G that a pivot may be: a row that follows from those before it
 ALIKE = 1e-9  # share by which two solutions may differ that count as one
 
 
@@ -78,13 +79,14 @@ class RigidContacts:
         self.state, self.slide, self.rough = shut, slide, rough
         self.shut = {n: is_shut[n] for n in self.numbers}
         self.width = 2 if rough else 1
+        self._most = min(SLOTS if rough else SMOOTH_SLOTS, len(self.numbers))
 
     # ---------------------------------------------------------------- responses
     def _slots(self, m: SimpleNamespace, flags: dict[int, Flag]) -> tuple[list[_Slot], Flag]:
         """The contacts that take part; a flag: there are no more."""
         units = {n: [self._unit(m, n, 1.0, 0.0), self._unit(m, n, 0.0, -1.0)][: self.width] for n in self.numbers}
         slots, alone = [], len(self.numbers) == 1
-        for k in range(min(SLOTS, len(self.numbers))):
+        for k in range(self._most):
             seen: Operand = 0.0
             chosen: dict[int, Flag] = {}
             for n in self.numbers:
@@ -99,7 +101,7 @@ class RigidContacts:
         total: Operand = 0.0
         for n in self.numbers:
             total = total + select(flags[n], 1.0, 0.0)
-        return slots, total <= float(SLOTS)
+        return slots, total <= float(self._most)
 
     def _chosen(self, chosen: dict[int, Flag], arrays: list[np.ndarray]) -> np.ndarray:
         if len(arrays) == 1:
@@ -168,11 +170,11 @@ class RigidContacts:
                 kinematics[n, at.LOSS] = select(sticks, 0.0, -held * kinematics[n, at.SLIP])
 
     def _in_modes(
-        self, m: SimpleNamespace, slots: list[_Slot], free: list[tuple[Operand, Operand]], rubs: bool = True,
-    ) -> list[list[Operand]]:  # fmt: skip
+        self, m: SimpleNamespace, slots: list[_Slot], free: list[tuple[Operand, Operand]]
+    ) -> list[list[Operand]]:
         """N and T of each slot that keep g'' or g', and slips of those that stick, at zero; free: without them.
 
-        rubs: False for impulses that only take what rounding has left.
+        A bounce that is not followed is taken back so, with its friction.
         """
         g, w = self._matrix(slots), self.width
         rows: list[list[Operand]] = []
@@ -185,9 +187,8 @@ class RigidContacts:
                 continue
             slide, mu = slot.of(dict(enumerate(self.slide))), slot.of(self._of(m, at.MU))
             sticks = slot.taken & apply("equal", slide, 0.0) & (mu > 0.0)
-            share = slide * mu if rubs else 0.0
             slips = [0.0] * (w * len(slots))
-            slips[w * k], slips[w * k + 1] = share, 1.0
+            slips[w * k], slips[w * k + 1] = slide * mu, 1.0
             rows.append([
                 *(select(sticks, x, y) for x, y in zip(g[w * k + 1], slips, strict=True)),
                 select(sticks, -free[k][1], 0.0),
@@ -220,7 +221,7 @@ class RigidContacts:
         rate = {n: m.contact_kinematics[n, at.DGAP] for n in self.numbers}
         slip = {n: m.contact_kinematics[n, at.SLIP] for n in self.numbers}
         struck, met = self._solution(m, slots, [self._before(m, slot, rate, slip) for slot in slots], hits)
-        kept = self._in_modes(m, slots, [(slot.of(rate), slot.of(slip)) for slot in slots], rubs=False)
+        kept = self._in_modes(m, slots, [(slot.of(rate), slot.of(slip)) for slot in slots])
         impulses = [
             [select(hits, a, b) for a, b in zip(x, y_, strict=True)] for x, y_ in zip(struck, kept, strict=True)
         ]
@@ -417,13 +418,17 @@ def _sum(terms: object) -> Operand:
 
 
 def _solved(rows: list[list[Operand]]) -> list[Operand]:
-    """x of A x = b from rows (A, b), by elimination as they stand: no pivot is looked for."""
-    rows, size = [list(row) for row in rows], len(rows)
+    """x of A x = b from rows (A, b), by elimination as they stand: no pivot is looked for, x of one that vanishes is 0."""
+    rows, size, inverse = [list(row) for row in rows], len(rows), []
+    diagonal = [row[k] for k, row in enumerate(rows)]
     for c in range(size):
+        pivot = rows[c][c]
+        vanishes = abs(pivot) <= VANISHING * abs(diagonal[c])
+        inverse.append(1.0 / pivot if c == 0 else select(vanishes, 0.0, 1.0 / pivot))
         for r in range(c + 1, size):
             if _is_zero(rows[r][c]):
                 continue
-            factor = rows[r][c] / rows[c][c]
+            factor = rows[r][c] * inverse[c]
             for j in range(c + 1, size + 1):
                 rows[r][j] = rows[r][j] - factor * rows[c][j]
     x: list[Operand] = [0.0] * size
@@ -431,7 +436,7 @@ def _solved(rows: list[list[Operand]]) -> list[Operand]:
         value = rows[r][size]
         for j in range(r + 1, size):
             value = value - rows[r][j] * x[j]
-        x[r] = value / rows[r][r]
+        x[r] = value * inverse[r]
     return x
 
 

@@ -351,12 +351,19 @@ class Ledger:
         graph, curves = inputs(self.curves + 1)
         return graph, [x for tracker in self._places for x in tracker.start(curves)]
 
-    def advance(self, step: Step, held: Sequence[Operand]) -> tuple[list[Operand], Flag]:
-        """The rows at the end of a step, from those at its start; a flag: it asks for samples."""
+    def advance(self, step: Step, held: Sequence[Operand], at_start: Flag) -> tuple[list[Operand], Flag]:
+        """The rows at the end of a step, from those at its start; a flag: it asks for samples.
+
+        at_start: the run is still at its start, where its contacts have been found to be as they are.
+        """
         rows = list(held)
         asks: Flag = False
         for tracker, place in self._places.items():
-            rows[place : place + tracker.rows] = new = tracker.step(held[place : place + tracker.rows], step)
+            new = tracker.step(held[place : place + tracker.rows], step)
+            if not isinstance(tracker, Numbered):
+                first = tracker.start([curve[-1] for curve in step.curves])
+                new = [select(at_start, a, b) for a, b in zip(first, new, strict=True)]
+            rows[place : place + tracker.rows] = new
             if isinstance(tracker, Screened):
                 asks = asks | tracker.asks(new, step)
         if self.watched:

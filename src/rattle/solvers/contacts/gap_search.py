@@ -40,6 +40,7 @@ import math
 
 from rattle.equations.compliant import measure
 from rattle.jit import layout as at  # fmt: skip
+from rattle.jit.choices import assume
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.penetration import OF_COORDINATES, OF_SCALE, scale_of
 from rattle.solvers.dense_output import HALVINGS, INSTANT, OF_STEP
@@ -140,7 +141,7 @@ def bounds(m, h, n):
     walls, bow, turning = lever[n, at.WALLS_TURN] > 0.0, lever[n, at.BOW], max(wa, wb)
     if lever[n, at.ROUNDED] == OUTSIDE:
         bow += 1.0 / scale_of(m, n)
-    if walls or bow > 0.0:
+    if walls or assume(bow > 0.0):
         nq = m.change.shape[0]
         speed = max(apart(m, y, a, b, nq), apart(m, y_new, a, b, nq)) + 0.5 * h * linear + s_a * wa + s_b * wb
         away = max(apart(m, y, a, b, 0), apart(m, y_new, a, b, 0)) + 0.125 * h * h * linear + s_a + s_b
