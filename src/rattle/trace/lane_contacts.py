@@ -37,10 +37,12 @@ from rattle.trace.reductions import Touches
 LANE = ("closing", "hit length", "free length", "doubts", "landings", "turned", "turns", "turned at")
 COUNTED = ("doubts", "landings", "turned")
 # of rigid contacts at the end of a step: force, reserve of its slip or stick, slip, T, g'', g' without rounding
+RIGID_STARTS = ("pressed", "reserve", "most pressed", "most reserve")  # force, reserve; their sizes while it is so
 RIGID_ENDS = ("pressed", "reserve", "slip", "tangent", "bend", "calm")
 SHARP = 1e-11  # share of the step that first went beyond a contact by which the instant of the contact may be missed
 SOON = 0.5  # share of that step within which a contact is landed on that was not reached
 NEARER = 0.7  # share of the way to a contact that a step takes where all of it is too much: a force ends with a kink
+RESOLVED = 1e-7  # share of a position by which it must change for the change to tell rates
 NEWTON = 6  # iterations for a zero of a polynomial; a try that misses it is followed by another one
 SHORT_OF = 1.0 - 1e-10  # largest share of a step to land at: shorter than the step
 CAUTION = 0.7  # share of the longest step that a bound allows which is tried next
@@ -50,6 +52,7 @@ MOST_LANDINGS, MOST_TURNS = 200, 60  # tries that do not land; turns at one inst
 AT_ONCE = 1e-13  # share of the time within which turns are at one instant
 FAR, LITTLE = 1e300, 1e-300
 SLIGHT = 1e-12  # share of a force, or of a slip, that may be rounding
+NOTHING_LEFT = 1e-10  # share of it that counts as none where a step is to end with it
 
 
 class Row(NamedTuple):
@@ -78,7 +81,7 @@ class Meets(NamedTuple):
     @property
     def touch_rows(self) -> int:
         """Rows that a lane keeps, see `Touch`."""
-        return 4 * self.count + 2 * len(self.peaks) + 2 * len(self.rigid) + len(LANE)
+        return 4 * self.count + 2 * len(self.peaks) + 4 * len(self.rigid) + len(LANE)
 
     @property
     def end_rows(self) -> int:
@@ -103,22 +106,23 @@ class Meets(NamedTuple):
 
 class Touch:
     """Rows of a lane: shut (0 or 1) and approach speed of its contacts; gap and rate of each at the start of a step;
-    forces and their rates likewise, of those whose peaks are asked for; forces and reserves of rigid ones; LANE.
+    forces and their rates likewise, of those whose peaks are asked for; RIGID_STARTS of rigid ones; LANE.
 
     A rigid contact is OPEN, SHUT, HITS or DECIDES, see `recorded_rigid`; its speed is the sense of its slip, 0: none.
     """
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
         n, p, r = meets.count, len(meets.peaks), len(meets.rigid)
-        (self.shut, self.speed, self.gap, self.rate, self.force, self.change, self.pressed, self.reserve, lane) = (
-            _parted(rows, [n, n, n, n, p, p, r, r, len(LANE)])
+        self.shut, self.speed, self.gap, self.rate, self.force, self.change, *rigid, lane = _parted(
+            rows, [n, n, n, n, p, p, r, r, r, r, len(LANE)]
         )
+        self.rigid = dict(zip(RIGID_STARTS, rigid, strict=True))
         self.lane = dict(zip(LANE, lane, strict=True))
 
     @property
     def rows(self) -> list[Operand]:
         """All of them in order."""
-        lists = (self.shut, self.speed, self.gap, self.rate, self.force, self.change, self.pressed, self.reserve)
+        lists = (self.shut, self.speed, self.gap, self.rate, self.force, self.change, *self.rigid.values())
         return [*(x for rows in lists for x in rows), *self.lane.values()]
 
 
@@ -249,8 +253,10 @@ def middle(method: Method, ny: int, nq: int, watched: int) -> Recorded:
             bends = first[nq + i] + last[nq + i]
             state.append(0.5 * (y0 + y1) + h * (0.15625 * (f0 - f1) + h * (0.015625 * bends)))
         elif i <= 2 * nq:
-            mean = select(h > 0.0, (end[i - nq] - start[i - nq]) / h, y0)
-            state.append(1.875 * mean - 0.4375 * (y0 + y1) + 0.03125 * h * (f1 - f0))
+            here, there = start[i - nq], end[i - nq]
+            usual = 1.875 * (there - here) / h - 0.4375 * (y0 + y1) + 0.03125 * h * (f1 - f0)
+            told = h * (abs(y0) + abs(y1)) > RESOLVED * (abs(here) + abs(there))
+            state.append(select(told, usual, 0.5 * (y0 + y1) + 0.125 * h * (f0 - f1)))
         else:
             state.append(0.5 * (y0 + y1) + 0.125 * h * (f0 - f1))
     return graph, state
@@ -285,8 +291,11 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
         if n in meets.rigid:  # shut, it ends where its force does; OPEN, HITS or DECIDES has none
             k, first = meets.rigid.index(n), 2 * meets.count + len(meets.peaks)
             held = [
-                _reserve_at(h, reach, at_start[k], midway[first + place * len(meets.rigid) + k], ends.rigid[name][k])
-                for place, (name, at_start) in enumerate((("pressed", touch.pressed), ("reserve", touch.reserve)))
+                _reserve_at(
+                    h, reach, touch.rigid[name][k], midway[first + place * len(meets.rigid) + k], ends.rigid[name][k],
+                    touch.rigid[f"most {name}"][k],
+                )
+                for place, name in enumerate(("pressed", "reserve"))
             ]  # fmt: skip
             looks = [held[0].instead_of(looks[0], shut), held[1].instead_of(_NOTHING, shut)]
             spent.append(looks[1].arrives)
@@ -332,15 +341,22 @@ class _Look(NamedTuple):
 _NOTHING = _Look(False, False, True, FAR, FAR, FAR)
 
 
-def _reserve_at(h: Operand, reach: Operand, start: Operand, middle: Operand, end: Operand) -> _Look:
-    """What three values say of the force of a rigid contact, or of what keeps it slipping or sticking."""
+def _reserve_at(
+    h: Operand, reach: Operand, start: Operand, middle: Operand, end: Operand, most: Operand
+) -> _Look:  # fmt: skip
+    """What three values say of the force of a rigid contact, or of what keeps it slipping or sticking.
+
+    most: size that it has had.
+    """
     bend = 2.0 * (start + end) - 4.0 * middle
     rises = end - start - bend
     curve = _Polynomial([start, rises, bend], rises + 2.0 * bend)
-    slight = SLIGHT * (abs(start) + abs(middle) + abs(end))
+    size = largest(most, largest(abs(start), abs(end)))
+    slight = SLIGHT * size
     close = largest(slight, SHARP * reach / largest(h, LITTLE) * abs(curve.ends))
-    arrives = (curve.ends < 0.0) & (abs(end) <= close)
-    low = least(start, 0.0) - select(arrives, close, slight)
+    arrives = ((curve.ends < 0.0) & (abs(end) <= close)) | ((reach > 0.0) & (abs(end) <= NOTHING_LEFT * size))
+    close = select(arrives, largest(close, NOTHING_LEFT * size), slight)
+    low = least(start, 0.0) - close
     turns = (bend > 0.0) & (rises < 0.0) & (curve.ends > 0.0)
     lowest = least(least(start, end), least(middle, select(turns, start - 0.25 * rises * rises / bend, middle)))
     return _Look(arrives, end < low, lowest >= low, 0.0, curve.zero(), curve.beyond())
@@ -520,8 +536,7 @@ class Meeting:
                 x
                 for new, old in (
                     (self.ends.gap, touch.gap), (self.ends.rate, touch.rate), (self.ends.force, touch.force),
-                    (self.ends.change, touch.change), (self.ends.rigid["pressed"], touch.pressed),
-                    (self.ends.rigid["reserve"], touch.reserve),
+                    (self.ends.change, touch.change), *self._held(still),
                 )
                 for x in self._moved(flags.good, new, old)
             ),
@@ -530,6 +545,15 @@ class Meeting:
         unsound = flags.running & still & (self.hits | self.decides) & apply("not", self.struck.sound > 0.0)
         lost = (landings > float(MOST_LANDINGS)) | (count > float(MOST_TURNS)) | unsound
         return Turned(state, ahead, _one(turns | (flags.good & waits)), landings, lost)
+
+    def _held(self, still: Flag) -> list[tuple[list[Operand], list[Operand]]]:
+        """RIGID_STARTS of the next step, and those of this one."""
+        pairs, sizes = [], []
+        for name in ("pressed", "reserve"):
+            ends, most = self.ends.rigid[name], self.touch.rigid[f"most {name}"]
+            pairs.append((ends, self.touch.rigid[name]))
+            sizes.append(([select(still, abs(x), largest(abs(x), y)) for x, y in zip(ends, most, strict=True)], most))
+        return [*pairs, *sizes]
 
     def _ahead(self, h: Operand, flags: Lane, hit: Flag, cut: Flag, missed: Flag) -> Operand:
         """The step to try next [s] if no contact turns."""

@@ -36,7 +36,7 @@ SLOTS, SMOOTH_SLOTS = 2, 3  # contacts that take part at one instant, with frict
 OPEN, SHUT, HITS, DECIDES = 0.0, 1.0, 2.0, 3.0
 OFF, STICKS, FORWARD, BACKWARD = range(4)  # modes
 SLIGHT = 1e-12  # share by which a bound may be missed: rounding
-VANISHING = 1e-11  # share of a diagonal of G that a pivot may be: a row that follows from those before it
+RAISED = 1e-8  # share by which diagonals of G are raised
 ALIKE = 1e-9  # share by which two solutions may differ that count as one
 
 
@@ -260,7 +260,7 @@ class RigidContacts:
     def _tried(
         self, m: SimpleNamespace, slots: list[_Slot], right: list[tuple[Operand, Operand]], lasting: bool
     ) -> tuple[list[list[Operand]], Flag, list[Operand]]:
-        """N and T of each slot; a flag: one solution fits; modes.  right: -b.
+        """N and T of each slot; a flag: one motion fits, whatever forces it has; modes.  right: -b.
 
         lasting: contacts whose sense of slip is given keep it.
         """
@@ -270,18 +270,22 @@ class RigidContacts:
         slides = [slot.of(dict(enumerate(self.slide))) if self.rough else 0.0 for slot in slots]
         best: list[list[Operand]] = [[0.0] * w for _ in slots]
         modes: list[Operand] = [0.0] * len(slots)
+        gains: list[Operand] = [0.0] * len(g)
         found: Flag = False
         double: Flag = False
         for combination in itertools.product(options, repeat=len(slots)):
             f = self._forces(g, right, mus, combination)
             fits = both(self.graph, self._conditions(g, right, slots, mus, slides, combination, f, lasting))
-            off = _sum(abs(x[0] - y[0]) for x, y in zip(f, best, strict=True))
-            size = _sum(abs(x[0]) + abs(y[0]) for x, y in zip(f, best, strict=True))
+            flat = [x for pair in f for x in pair]
+            does = [_sum(x * y for x, y in zip(row, flat, strict=True)) for row in g]
+            off = _sum(abs(x - y) for x, y in zip(does, gains, strict=True))
+            size = _sum(abs(x) + abs(y) for x, y in zip(does, gains, strict=True))
             double = double | (fits & found & (off > ALIKE * size))
             first = fits & apply("not", found)
             best = [
                 [select(first, a, b) for a, b in zip(x, y, strict=True)] for x, y in zip(f, best, strict=True)
             ]
+            gains = [select(first, a, b) for a, b in zip(does, gains, strict=True)]
             modes = [select(first, float(mode), x) for mode, x in zip(combination, modes, strict=True)]
             found = found | fits
         return best, found & apply("not", double), modes
@@ -418,26 +422,34 @@ def _sum(terms: object) -> Operand:
 
 
 def _solved(rows: list[list[Operand]]) -> list[Operand]:
-    """x of A x = b from rows (A, b), by elimination as they stand: no pivot is looked for, x of one that vanishes is 0."""
-    rows, size, inverse = [list(row) for row in rows], len(rows), []
-    diagonal = [row[k] for k, row in enumerate(rows)]
+    """x of A x = b from rows (A, b), by elimination as they stand: no pivot is looked for.
+
+    Diagonals are raised by a share of RAISED, and what that has changed is taken back once: so equations that follow
+    from others, as of two corners that stick at one wall, share what they bear.
+    """
+    size = len(rows)
+    if size == 1:
+        return [rows[0][1] / rows[0][0]]
+    a = [[x * (1.0 + RAISED) if r == c else x for c, x in enumerate(row[:size])] for r, row in enumerate(rows)]
+    factors: dict[tuple[int, int], Operand] = {}
     for c in range(size):
-        pivot = rows[c][c]
-        vanishes = abs(pivot) <= VANISHING * abs(diagonal[c])
-        inverse.append(1.0 / pivot if c == 0 else select(vanishes, 0.0, 1.0 / pivot))
         for r in range(c + 1, size):
-            if _is_zero(rows[r][c]):
-                continue
-            factor = rows[r][c] * inverse[c]
-            for j in range(c + 1, size + 1):
-                rows[r][j] = rows[r][j] - factor * rows[c][j]
-    x: list[Operand] = [0.0] * size
-    for r in reversed(range(size)):
-        value = rows[r][size]
-        for j in range(r + 1, size):
-            value = value - rows[r][j] * x[j]
-        x[r] = value * inverse[r]
-    return x
+            if not _is_zero(a[r][c]):
+                factors[r, c] = a[r][c] / a[c][c]
+                for j in range(c + 1, size):
+                    a[r][j] = a[r][j] - factors[r, c] * a[c][j]
+
+    def solve(b: list[Operand]) -> list[Operand]:
+        b, x = list(b), [0.0] * size
+        for (r, c), factor in factors.items():
+            b[r] = b[r] - factor * b[c]
+        for r in reversed(range(size)):
+            x[r] = (b[r] - _sum(a[r][j] * x[j] for j in range(r + 1, size))) / a[r][r]
+        return x
+
+    x = solve([row[size] for row in rows])
+    left = [row[size] - _sum(p * q for p, q in zip(row, x, strict=False)) for row in rows]
+    return [p + q for p, q in zip(x, solve(left), strict=True)]
 
 
 def _is_zero(x: Operand) -> bool:
