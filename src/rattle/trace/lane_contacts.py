@@ -582,7 +582,7 @@ class Meeting:
             end = {name: rows[k] for name, rows in ends.rigid.items()}
             # at the end of a step
             goes, way = touch.shut[n], touch.speed[n]
-            goes = select(self.shut[n] & ended & apply("not", strikes), DECIDES, goes)
+            goes = select(self.shut[n] & (ended | strikes), select(strikes, HITS, DECIDES), goes)
             goes = select(self.near[n], select(self.shut[n], OPEN, HITS), goes)
             way = select(self.near[n], 0.0, way)
             broken = select(end["tangent"] > 0.0, 1.0, -1.0)  # the force on B along t is -T: it begins to slip so
@@ -590,7 +590,6 @@ class Meeting:
             # after an impact, and after a decision
             rises, part = end["calm"], touch.shut[n] > 0.5
             low = (end["bend"] < 0.0) & (rises * largest(rises, 0.0) <= -2.0 * end["bend"] * self.met.low[k])
-            low = select_flag(self.shut[n], rises <= 0.0, low)
             after = select(part & low, DECIDES, OPEN)
             sense = select(end["slip"] > 0.0, 1.0, select(end["slip"] < 0.0, -1.0, 0.0))
             shut[n] = select(

@@ -9,7 +9,7 @@ from rattle.solvers.nonsmooth.event_driven import START_NEAR
 from rattle.trace.lane_contacts import Ends, Row
 from rattle.trace.lane_control import Status
 from rattle.trace.lane_program import Program
-from rattle.trace.recorded_rigid import DECIDES, HITS, OPEN, SHUT
+from rattle.trace.recorded_rigid import DECIDES, HITS, OPEN
 
 
 class Stock:
@@ -91,7 +91,7 @@ class Stock:
         hits = {n: near[n] & (ends.rigid["calm"][k] < 0.0) for k, n in enumerate(meets.rigid)}
         any_hits = np.any([*hits.values(), np.zeros(self.n, dtype=bool)], axis=0)
         for k, n in enumerate(meets.rigid):
-            rests = np.where(any_hits, SHUT, DECIDES)
+            rests = np.where(any_hits, HITS, DECIDES)
             self.touch[n] = np.where(hits[n], HITS, np.where(near[n], rests, OPEN))
             self.touch[count + n] = np.where(near[n], np.sign(ends.rigid["slip"][k]), 0.0)
             self.still[near[n]] = 1.0

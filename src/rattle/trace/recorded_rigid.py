@@ -28,11 +28,12 @@ from rattle.equations import compliant, motion
 from rattle.equations.state import IMPULSE, LOSS, WORK, account_at, energies_at
 from rattle.jit import layout as at
 from rattle.language.recorded import Flag, Operand
+from rattle.solvers.contacts.gap_search import rate_rounding
 from rattle.trace.graph import Graph, Symbol, apply, both, select
 from rattle.trace.recorded_language import Copies
 
 SLOTS, SMOOTH_SLOTS = 2, 3  # contacts that take part at one instant, with friction and without
-# what a contact is: its state as an input of the graph
+# what a contact is: its state as an input of the graph; HITS: what is shut beside a contact that hits, too
 OPEN, SHUT, HITS, DECIDES = 0.0, 1.0, 2.0, 3.0
 OFF, STICKS, FORWARD, BACKWARD = range(4)  # modes
 SLIGHT = 1e-12  # share by which a bound may be missed: rounding
@@ -246,7 +247,10 @@ class RigidContacts:
         self, m: SimpleNamespace, slot: _Slot, rate: dict[int, Operand], slip: dict[int, Operand]
     ) -> tuple[Operand, Operand]:
         """-b of an impact: (1 + e) g', (1 + e_t) u of what hits; rates alone of what is shut."""
-        hits = slot.of({n: select(self.state[n] > 1.5, 1.0, 0.0) for n in self.numbers})
+        slight = {n: self._copies.of(rate_rounding.python)(m, n) for n in self.numbers}
+        hits = slot.of({
+            n: select((self.state[n] > 1.5) & (rate[n] < -slight[n]), 1.0, 0.0) for n in self.numbers
+        })  # fmt: skip
         e, e_t = (slot.of(self._of(m, k)) for k in (at.RESTITUTION, at.TANGENTIAL_RESTITUTION))
         normal = -(1.0 + hits * e) * slot.of(rate)
         return normal, (-(1.0 + hits * e_t) * slot.of(slip) if self.rough else 0.0)
