@@ -29,6 +29,7 @@ from rattle.elements.geneva import AT_END, AT_START, BOTH, open_at
 from rattle.interfaces.contacts import ClearanceKind, FreePlay
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
+from rattle.jit.choices import select
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import COINCIDENT, direction, ends
 from rattle.language.recorded import hypot
@@ -40,23 +41,26 @@ def nearest(x, y, half, opens, width, radius):
     """Nearest place of the slot to the centre of a pin at (x, y) [m] in the frame of the slot.
 
     half: L/2; opens: index in OPEN; width: R; radius: of the pin [m].
-    Returns n (along and across the slot), gap [m], turning rate of n per speed t . r' [1/m], and True of a curved wall.
+    Returns n (along and across the slot), gap [m], turning rate of n per speed t . r' [1/m], and 1 of a curved wall.
     """
-    side = 1.0 if y >= 0.0 else -1.0
-    if abs(x) <= half:
-        if opens > 0.0 and abs(y) > width:
-            return 0.0, -side, abs(y) - width - radius, 0.0, False
-        return 0.0, side, width - radius - abs(y), 0.0, False
-    end = 1.0 if x > 0.0 else -1.0
-    fx, fy = x - end * half, y
-    corner = opens == BOTH or opens == (AT_END if end > 0.0 else AT_START)
-    if corner:
-        fy -= side * width
+    side, end, on_wall = select(y >= 0.0, 1.0, -1.0), select(x > 0.0, 1.0, -1.0), abs(x) <= half
+    closed = opens == 0.0
+    # 1 outside of the slot, and 1 at the corner of an open end
+    beside = 0.0 if closed else select(abs(y) > width, 1.0, 0.0)
+    at_end, at_start = float(opens == BOTH or opens == AT_END), float(opens == BOTH or opens == AT_START)
+    corner = select(x > 0.0, at_end, at_start)
+    fx, fy = x - end * half, y - corner * side * width
     far = math.sqrt(fx * fx + fy * fy)
     inv = 1.0 / max(far, COINCIDENT)  # the centre of a pin at a corner is far inside of the material
-    if corner or (opens > 0.0 and far > width):
-        return -fx * inv, -fy * inv, far - (0.0 if corner else width) - radius, -inv, False
-    return fx * inv, fy * inv, width - radius - far, inv, True
+    around = corner if closed else select(far > width, 1.0, corner)  # 1 where the wall is seen from outside
+    out = 1.0 - 2.0 * around
+    inside = width - radius - abs(y)
+    wall = select(beside > 0.0, -side, side), select(beside > 0.0, abs(y) - width - radius, inside)
+    arc = select(around > 0.0, far - (1.0 - corner) * width - radius, width - radius - far)
+    return (
+        select(on_wall, 0.0, out * fx * inv), select(on_wall, wall[0], out * fy * inv), select(on_wall, wall[1], arc),
+        select(on_wall, 0.0, out * inv), select(on_wall, 0.0, 1.0 - around),
+    )
 
 
 @kernel("clearance")
@@ -71,8 +75,7 @@ def pin_in_slot(body, a, b, p, k, corner, row, kinematics):
     nx, ny = along * ux - across * uy, along * uy + across * ux
     radius = width - c
     sliding = write_disc(body, a, b, True, sax + dx, say + dy, sbx, sby, nx, ny, gap, radius, bent, row, kinematics)
-    if curved:
-        kinematics[row, at.ACROSS] = sliding
+    kinematics[row, at.ACROSS] = select(curved > 0.0, sliding, 0.0)
 
 
 class AcrossSlot(FreePlay):

@@ -13,6 +13,7 @@ from rattle.elements.contact_laws.stiffness import BUSH_RADIUS, LENGTH
 from rattle.errors import InputError
 from rattle.interfaces.fields import LawValues
 from rattle.interfaces.laws import StiffnessLaw
+from rattle.jit.choices import select
 from rattle.jit.functions import kernel
 from rattle.language.recorded import as_number
 from rattle.registry import Field, kind
@@ -28,10 +29,9 @@ def bedded(delta, p, k):
     c = p[k + 1]
     s = math.sqrt(delta * (2.0 * c + delta)) / (c + delta)  # sin theta_0
     theta = math.atan2(s * (c + delta), c)
-    if theta > SMALL:
-        return p[k] * (theta * (c + delta) - c * s)
     q = theta * theta
-    return p[k] * c * theta * q * (2.0 / 3.0 + q * (0.2 + q * (107.0 / 1260.0 + q * 779.0 / 22680.0)))
+    series = p[k] * c * theta * q * (2.0 / 3.0 + q * (0.2 + q * (107.0 / 1260.0 + q * 779.0 / 22680.0)))
+    return select(theta > SMALL, p[k] * (theta * (c + delta) - c * s), series)
 
 
 @kind("stiffness", "foundation", bedded)

@@ -24,6 +24,7 @@ import math
 from rattle.errors import InputError
 from rattle.interfaces.fields import LawValues
 from rattle.interfaces.laws import FrictionLaw
+from rattle.jit.choices import TINY, select
 from rattle.jit.functions import kernel
 from rattle.language.recorded import as_number
 from rattle.registry import Field, kind
@@ -46,9 +47,10 @@ def coulomb_smooth(u, N, z, p, k, dz):
 def ambrosio(u, N, z, p, k, dz):
     """Friction force [N] of `Ambrosio`."""
     v0, v1 = p[k + 1], p[k + 2]
-    if N <= 0.0 or abs(u) <= v0:
+    if N <= 0.0:
         return 0.0
-    return p[k] * N * math.copysign(min(1.0, (abs(u) - v0) / (v1 - v0)) if v1 > v0 else 1.0, u)
+    share = select(v1 > v0, (abs(u) - v0) / max(v1 - v0, TINY), 1.0)
+    return select(abs(u) <= v0, 0.0, p[k] * N * math.copysign(min(share, 1.0), u))
 
 
 @kernel("friction")

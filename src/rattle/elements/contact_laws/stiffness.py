@@ -25,7 +25,7 @@ from collections.abc import Sequence
 from rattle.errors import InputError
 from rattle.interfaces.fields import LawValues
 from rattle.interfaces.laws import StiffnessLaw
-from rattle.jit.choices import TINY
+from rattle.jit.choices import TINY, select
 from rattle.jit.functions import KernelFunction, kernel
 from rattle.language.materials import Given, contact_modulus
 from rattle.language.recorded import as_number, sqrt
@@ -33,7 +33,7 @@ from rattle.registry import Field, kind
 
 TURN = 2.0 * math.exp(-2.0)  # delta/(c D) at w = 2, where the tangent begins
 FORCE_AT_TURN = math.exp(-2.0)  # F/D there
-SOLVED = 1e-14  # share of w: steps below it end Newton's method
+NEWTON = 4  # steps of Newton's method: rounding is left
 LEAST_PENETRATION = 1e-9  # [m] from which on a penetration is looked for, by doubling
 CLOSE_FIT = 0.1  # clearance over the pin radius above which contacts are not conforming: our limit
 FITTED = 0.005, 10.0  # clearances to which the formula of Pereira and others was fitted [mm]
@@ -58,16 +58,11 @@ def logarithmic(delta, p, k):
         return 0.0
     c, d = p[k], p[k + 1]
     x = delta / (c * d)
-    if x >= TURN:
-        return d * FORCE_AT_TURN + (delta - c * d * TURN) / c
-    s = -math.log(max(x, TINY))
+    s = -math.log(max(min(x, TURN), TINY))
     w = s + math.log(s) * (1.0 + 1.0 / s)
-    for _ in range(20):
-        step = (w - math.log(w) - s) * w / (w - 1.0)
-        w -= step
-        if abs(step) <= SOLVED * w:
-            break
-    return delta / (c * w)
+    for _ in range(NEWTON):
+        w -= (w - math.log(w) - s) * w / (w - 1.0)
+    return select(x >= TURN, d * FORCE_AT_TURN + (delta - c * d * TURN) / c, delta / (c * w))
 
 
 @kernel("stiffness")
