@@ -37,6 +37,7 @@ SLOTS, SMOOTH_SLOTS = 2, 3  # contacts that take part at one instant, with frict
 OPEN, SHUT, HITS, DECIDES = 0.0, 1.0, 2.0, 3.0
 OFF, STICKS, FORWARD, BACKWARD = range(4)  # modes
 SLIGHT = 1e-12  # share by which a bound may be missed: rounding
+FIXED = 1e-11  # share of G without joints that G is where these fix a gap or a slip
 RAISED = 1e-8  # share by which diagonals of G are raised
 ALIKE = 1e-9  # share by which two solutions may differ that count as one
 
@@ -59,6 +60,7 @@ class _Slot(NamedTuple):
     push: list[np.ndarray]  # generalised impulses (nb + 1, 3) of units of N and of T
     away: list[np.ndarray]  # change of rates by them
     reaction: list[np.ndarray]  # multipliers
+    loose: list[Flag]  # joints and drivers do not fix its gap, its slip
 
     def of(self, values: dict[int, Operand]) -> Operand:
         """The value of the contact that is here."""
@@ -98,7 +100,8 @@ class RigidContacts:
                 taken = taken | flag
             push = [self._chosen(chosen, [units[n][r] for n in self.numbers]) for r in range(self.width)]
             responses = [self._respond(m, impulse) for impulse in push]
-            slots.append(_Slot(chosen, taken, push, [x[0] for x in responses], [x[1] for x in responses]))
+            loose = [_power(p, r[0]) > FIXED * _power(p, p * m.weight) for p, r in zip(push, responses, strict=True)]
+            slots.append(_Slot(chosen, taken, push, [x[0] for x in responses], [x[1] for x in responses], loose))
         total: Operand = 0.0
         for n in self.numbers:
             total = total + select(flags[n], 1.0, 0.0)
@@ -187,7 +190,7 @@ class RigidContacts:
             if not self.rough:
                 continue
             slide, mu = slot.of(dict(enumerate(self.slide))), slot.of(self._of(m, at.MU))
-            sticks = slot.taken & apply("equal", slide, 0.0) & (mu > 0.0)
+            sticks = slot.taken & apply("equal", slide, 0.0) & (mu > 0.0) & slot.loose[1]
             slips = [0.0] * (w * len(slots))
             slips[w * k], slips[w * k + 1] = slide * mu, 1.0
             rows.append([
@@ -335,11 +338,11 @@ class RigidContacts:
                 gains = _sum(x * y for x, y in zip(g[w * k], flat, strict=True)) - right[k][0]
                 flags.append((gains >= -SLIGHT * abs(right[k][0])) | apply("not", slots[k].taken))
                 continue
-            flags += [slots[k].taken, f[k][0] >= 0.0]
+            flags += [slots[k].taken, slots[k].loose[0], f[k][0] >= 0.0]
             if not self.rough:
                 continue
             if mode == STICKS:
-                flags.append(abs(f[k][1]) <= (1.0 + SLIGHT) * mus[k] * f[k][0])
+                flags += [abs(f[k][1]) <= (1.0 + SLIGHT) * mus[k] * f[k][0], slots[k].loose[1]]
                 if lasting:
                     flags.append(apply("equal", slides[k], 0.0))
                 continue
