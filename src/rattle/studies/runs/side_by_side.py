@@ -20,6 +20,7 @@ from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.jit import layout as at
 from rattle.language import arrays
+from rattle.language.local_function import LocalFunction
 from rattle.language.syntax import names
 from rattle.registry import kinds
 from rattle.solvers.stepper import FREE, LONGEST, tableau_of, usual_stepper
@@ -30,6 +31,7 @@ from rattle.trace.copying import bind
 from rattle.trace.elementary import lower
 from rattle.trace.lane_control import Status
 from rattle.trace.lane_program import MOST_STEPS, Program
+from rattle.trace.reductions import EXTREMES
 
 MOST_OPERATIONS = 20_000  # of right-hand side, projection and curves; beyond, machine code is slow to make
 DRIVEN = ("kinematics", "inverse-dynamics")  # a motion that drivers determine: its integral is put on the constraints
@@ -120,10 +122,19 @@ def _require_lanes(task: Task, method: str) -> None:
     tableau = tableau_of(kinds("stepper")[method])
     if tableau is None:
         raise TraceError(f"'{task.how.method}' has no straight-line code")
+    _require_smooth_joints(task)
     _require_followed(task.mechanism.system, tableau.adaptive)
     if task.mechanism.system.switches:
         switching = ", ".join(sorted({switch.name for switch in task.mechanism.system.switches}))
         raise TraceError(f"steps must end where expressions switch ({switching})")
+
+
+def _require_smooth_joints(task: Task) -> None:
+    """Raise TraceError where largest values are asked for and curves may jump inside of steps."""
+    extreme = any(reduction.kind in EXTREMES for output in task.outputs for reduction in output.reductions)
+    for name, joint in task.mechanism.model.joints.items() if extreme else ():
+        if any(isinstance(field, LocalFunction) and field.switches for field in joint.fields.values()):
+            raise TraceError(f"curves may jump where the function of the joint '{name}' switches (abs, if, a table)")
 
 
 def _require_followed(system: System, adaptive: bool) -> None:
