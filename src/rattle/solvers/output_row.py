@@ -5,6 +5,7 @@ from __future__ import annotations
 from rattle.equations.motion import solve_motion
 from rattle.equations.state import DISSIPATED, LOSS, STORED, WORK, account_at, energies_at, take_states
 from rattle.jit import layout as at  # fmt: skip
+from rattle.jit.choices import select
 from rattle.jit.functions import compiled, native
 from rattle.jit.geometry import ends, turn_x, turn_y
 from rattle.solvers.ports import first_port, write_ports
@@ -138,7 +139,8 @@ def write_contacts(m, row, first):
         row[c + column] += contact[n, at.SENSE] * normal
         if column == at.EFFORT:  # of a joint that is nothing but this contact
             closed = m.contact_memory[n, at.CLOSED]
-            row[c + at.JOINT_TANGENT] = 1.0 if closed == at.SHUT or (closed == at.AUTO and normal > 0.0) else 0.0
+            presses, shut = select(normal > 0.0, 1.0, 0.0), select(closed == at.SHUT, 1.0, 0.0)
+            row[c + at.JOINT_TANGENT] = select(closed == at.AUTO, presses, shut)
         if column != at.JOINT_NORMAL:
             continue
         row[c + at.JOINT_TANGENT] += tangent

@@ -150,7 +150,7 @@ class Batch:
     def _striking(self) -> list[Call]:
         """What rigid contacts do to the state at the end of the step, and what they become."""
         meets, ny, copy, row = self.program.model.meets, self.program.model.ny, self.program.copy, (1, -1)
-        if meets is None or meets.struck is None:
+        if meets is None:
             return []
         after, state = self._first("after"), self._first("state")
         return [

@@ -36,9 +36,10 @@ from rattle.trace.reductions import Touches
 # of a lane, whatever contact it is; the last ones count tries
 LANE = ("closing", "hit length", "free length", "doubts", "landings", "turned", "turns", "turned at")
 COUNTED = ("doubts", "landings", "turned")
-# of rigid contacts at the end of a step: force, reserve of its slip or stick, slip, T, g'', g' without rounding
-RIGID_STARTS = ("pressed", "reserve", "most pressed", "most reserve")  # force, reserve; their sizes while it is so
-RIGID_ENDS = ("pressed", "reserve", "slip", "tangent", "bend", "calm")
+RELEASED = 2.0  # of a compliant contact: without force inside its wall
+# of contacts that forces hold, at the end of a step: force, reserve of its slip or stick, slip, T, g'', g' without rounding
+HELD_STARTS = ("pressed", "reserve", "most pressed", "most reserve")  # force, reserve; their sizes while it is so
+HELD_ENDS = ("pressed", "reserve", "slip", "tangent", "bend", "calm")
 SHARP = 1e-11  # share of the step that first went beyond a contact by which the instant of the contact may be missed
 SOON = 0.5  # share of that step within which a contact is landed on that was not reached
 NEARER = 0.7  # share of the way to a contact that a step takes where all of it is too much: a force ends with a kink
@@ -69,9 +70,9 @@ class Meets(NamedTuple):
     nq: int  # positions in a state
     touched: Function  # of a state: what ENDS says
     midway: Function  # of a state: gaps, their rates, then forces of those whose peaks are asked for
+    struck: Function  # of a state: y and what `Struck` says
     peaks: tuple[int, ...] = ()  # contacts whose largest forces are asked for
-    rigid: tuple[int, ...] = ()  # rigid contacts
-    struck: Function | None = None  # of a state: y and what `Struck` says, where there are rigid ones
+    held: tuple[int, ...] = ()  # rigid contacts, and those that end where their force does
 
     @property
     def count(self) -> int:
@@ -79,72 +80,78 @@ class Meets(NamedTuple):
         return len(self.table)
 
     @property
+    def rigid(self) -> tuple[int, ...]:
+        """The rigid ones."""
+        return tuple(n for n in self.held if self.table[n, at.IMPACT] == 1)
+
+    @property
     def touch_rows(self) -> int:
         """Rows that a lane keeps, see `Touch`."""
-        return 4 * self.count + 2 * len(self.peaks) + 4 * len(self.rigid) + len(LANE)
+        return 4 * self.count + 2 * len(self.peaks) + len(HELD_STARTS) * len(self.held) + len(LANE)
 
     @property
     def end_rows(self) -> int:
         """Rows that tell of the end of a step, see `Ends`."""
-        return 4 * self.count + 2 * len(self.peaks) + len(RIGID_ENDS) * len(self.rigid)
+        return 4 * self.count + 2 * len(self.peaks) + len(HELD_ENDS) * len(self.held)
 
     @property
     def midway_rows(self) -> int:
         """Rows that tell of its middle."""
-        return 2 * self.count + len(self.peaks) + 2 * len(self.rigid)
+        return 2 * self.count + len(self.peaks) + 2 * len(self.held)
 
     @property
     def struck_rows(self) -> int:
         """Rows that `struck` writes after y, see `Struck`."""
-        return 3 * len(self.rigid) + 1 if self.rigid else 0
+        return 3 * len(self.rigid) + 1
 
     @property
     def met_rows(self) -> int:
         """Rows that `meet` writes, see `Met`."""
-        return 4 + self.count + len(self.peaks) + 2 * len(self.rigid)
+        return 4 + self.count + len(self.peaks) + 2 * len(self.held)
 
 
 class Touch:
     """Rows of a lane: shut (0 or 1) and approach speed of its contacts; gap and rate of each at the start of a step;
-    forces and their rates likewise, of those whose peaks are asked for; RIGID_STARTS of rigid ones; LANE.
+    forces and their rates likewise, of those whose peaks are asked for; HELD_STARTS of those that forces hold; LANE.
 
     A rigid contact is OPEN, SHUT, HITS or DECIDES, see `recorded_rigid`; its speed is the sense of its slip, 0: none.
+    A compliant one that ends where its force does is RELEASED after that, inside its wall.
     """
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
-        n, p, r = meets.count, len(meets.peaks), len(meets.rigid)
-        self.shut, self.speed, self.gap, self.rate, self.force, self.change, *rigid, lane = _parted(
+        n, p, r = meets.count, len(meets.peaks), len(meets.held)
+        self.shut, self.speed, self.gap, self.rate, self.force, self.change, *held, lane = _parted(
             rows, [n, n, n, n, p, p, r, r, r, r, len(LANE)]
         )
-        self.rigid = dict(zip(RIGID_STARTS, rigid, strict=True))
+        self.held = dict(zip(HELD_STARTS, held, strict=True))
         self.lane = dict(zip(LANE, lane, strict=True))
 
     @property
     def rows(self) -> list[Operand]:
         """All of them in order."""
-        lists = (self.shut, self.speed, self.gap, self.rate, self.force, self.change, *self.rigid.values())
+        lists = (self.shut, self.speed, self.gap, self.rate, self.force, self.change, *self.held.values())
         return [*(x for rows in lists for x in rows), *self.lane.values()]
 
 
 class Ends:
     """At the end of a step: gaps, their rates, speeds across the normal, how long contacts will last about [s], by
-    contact; forces and their rates, of those whose peaks are asked for; RIGID_ENDS of the rigid ones."""
+    contact; forces and their rates, of those whose peaks are asked for; HELD_ENDS of those that forces hold."""
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
-        n, p, r = meets.count, len(meets.peaks), len(meets.rigid)
-        self.gap, self.rate, self.across, self.lasting, self.force, self.change, *rigid = _parted(
-            rows, [n, n, n, n, p, p, *[r] * len(RIGID_ENDS)]
+        n, p, r = meets.count, len(meets.peaks), len(meets.held)
+        self.gap, self.rate, self.across, self.lasting, self.force, self.change, *held = _parted(
+            rows, [n, n, n, n, p, p, *[r] * len(HELD_ENDS)]
         )
-        self.rigid = dict(zip(RIGID_ENDS, rigid, strict=True))
+        self.held = dict(zip(HELD_ENDS, held, strict=True))
 
 
 class Met:
     """What a step says of contacts: it is cut, and how long the next try is; it is cut as it went beyond a contact;
-    time from its end to the next contact, about; contacts turn at its end; largest forces in it; of rigid ones, that
-    they slip or stick no longer, and a height of bounces that are not followed."""
+    time from its end to the next contact, about; contacts turn at its end; largest forces in it; of those that forces
+    hold, that nothing is left of their reserve, and a height of bounces that are not followed."""
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
-        r = len(meets.rigid)
+        r = len(meets.held)
         first, self.near, self.peaks, self.spent, self.low = _parted(rows, [4, meets.count, len(meets.peaks), r, r])
         self.cut, self.ahead, self.hit, self.due = first
 
@@ -154,8 +161,7 @@ class Struck:
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
         r = len(meets.rigid)
-        self.shut, self.slide, self.impulse, sound = _parted(rows, [r, r, r, 1 if r else 0])
-        self.sound: Operand = sound[0] if r else 1.0
+        self.shut, self.slide, self.impulse, (self.sound,) = _parted(rows, [r, r, r, 1])
 
 
 def _parted(rows: Sequence[Operand], sizes: Sequence[int]) -> list[list[Operand]]:
@@ -284,20 +290,21 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
     low: list[Operand] = []
     for n in range(meets.count):
         m.contact_kinematics[n, at.ACROSS] = ends.across[n]
-        shut = (touch.shut[n] > 0.5) & (touch.shut[n] < 1.5)
-        gap = _Gap(recorder, m, n, shut, h, *(x[n] for x in (touch.gap, touch.rate, ends.gap, ends.rate)),
+        code = touch.shut[n]
+        shut, released = (code > 0.5) & (code < 1.5), False
+        if n in meets.held and n not in meets.rigid:
+            released = code > 1.5
+        gap = _Gap(recorder, m, n, shut | released, h, *(x[n] for x in (touch.gap, touch.rate, ends.gap, ends.rate)),
                    midway[n], midway[meets.count + n])  # fmt: skip
         looks = [gap.looked_at(reach)]
-        if n in meets.rigid:  # shut, it ends where its force does; OPEN, HITS or DECIDES has none
-            k, first = meets.rigid.index(n), 2 * meets.count + len(meets.peaks)
-            held = [
-                _reserve_at(
-                    h, reach, touch.rigid[name][k], midway[first + place * len(meets.rigid) + k], ends.rigid[name][k],
-                    touch.rigid[f"most {name}"][k],
-                )
+        if n in meets.held:
+            k, first = meets.held.index(n), 2 * meets.count + len(meets.peaks)
+            values = [
+                (touch.held[name][k], midway[first + place * len(meets.held) + k], ends.held[name][k],
+                 touch.held[f"most {name}"][k])
                 for place, name in enumerate(("pressed", "reserve"))
             ]  # fmt: skip
-            looks = [held[0].instead_of(looks[0], shut), held[1].instead_of(_NOTHING, shut)]
+            looks = _held_looks(meets, n, looks[0], values, h, reach, shut, released)
             spent.append(looks[1].arrives)
             low.append(gap.low_bounce(m, n))
         for look in looks:
@@ -341,9 +348,28 @@ class _Look(NamedTuple):
 _NOTHING = _Look(False, False, True, FAR, FAR, FAR)
 
 
+def _held_looks(
+    meets: Meets, n: int, gap: _Look, values: Sequence[tuple[Operand, ...]], h: Operand, reach: Operand, shut: Flag,
+    released: Flag,
+) -> list[_Look]:  # fmt: skip
+    """What a step shows of a contact that ends where its force does, and whether it slips or sticks no longer.
+
+    A compliant one that is without force inside its wall may push again instead; an open clutch waits for its rate.
+    """
+    pressed, reserve = (_reserve_at(h, reach, *row) for row in values)
+    if meets.table[n, at.LEVEL]:
+        return [pressed.instead_of(_NOTHING, shut), reserve.instead_of(_NOTHING, apply("not", shut))]
+    looks = [pressed.instead_of(gap, shut)]
+    if n in meets.rigid:
+        return [*looks, reserve.instead_of(_NOTHING, shut)]
+    start, middle, end, most = values[0]
+    again = _reserve_at(h, reach, *(-x for x in (start, middle, end)), most)
+    return [*looks, again.instead_of(_NOTHING, released)]
+
+
 def _reserve_at(
     h: Operand, reach: Operand, start: Operand, middle: Operand, end: Operand, most: Operand
-) -> _Look:  # fmt: skip
+) -> _Look:
     """What three values say of the force of a rigid contact, or of what keeps it slipping or sticking.
 
     most: size that it has had.
@@ -484,13 +510,17 @@ class Meeting:
     @property
     def touches(self) -> Touches:
         """What the trip tells the reductions of contacts."""
-        begins = [n & apply("not", s) for n, s in zip(self.near, self.shut, strict=True)]
+        begins = [near & (code < 0.5) for near, code in zip(self.near, self.touch.shut, strict=True)]
+        for k, n in enumerate(self.meets.held):  # one that pushes again, and a clutch that takes
+            again = (self.met.spent[k] > 0.0) & apply("not", self.shut[n])
+            begins[n] = begins[n] | again
         hardest: Operand = 0.0
         for impulse in self.struck.impulse:
             hardest = largest(impulse, hardest)
         speeds = [largest(-x, 0.0) for x in self.ends.rate]
         for n, impulse in zip(self.meets.rigid, self.struck.impulse, strict=True):
-            begins[n] = self.hits & (impulse > NOTICED * hardest)
+            struck = self.hits & (impulse > NOTICED * hardest)
+            begins[n] = begins[n] | struck if self.meets.table[n, at.LEVEL] else struck
             speeds[n] = largest(-self.touch.rate[n], 0.0)
         return Touches(begins, speeds, self.shut, dict(zip(self.meets.peaks, self.met.peaks, strict=True)))
 
@@ -499,10 +529,7 @@ class Meeting:
         h, t, still, touch, met = planned[0], planned[1], flags.still, self.touch, self.met
         lane, landing = touch.lane, flags.landing
         rigid = self.meets.rigid
-        closes = _any(
-            near & apply("not", shut)
-            for n, (near, shut) in enumerate(zip(self.near, self.shut, strict=True)) if n not in rigid
-        )  # fmt: skip
+        closes = _any(near & (touch.shut[n] < 0.5) for n, near in enumerate(self.near) if n not in rigid)
         strikes = _any(self.near[n] & apply("not", self.shut[n]) for n in rigid)
         turns = flags.good & (_any(self.near) | _any(x > 0.0 for x in met.spent))
         reach = select(landing > 0.0, lane["hit length"], h)
@@ -547,11 +574,11 @@ class Meeting:
         return Turned(state, ahead, _one(turns | (flags.good & waits)), landings, lost)
 
     def _held(self, still: Flag) -> list[tuple[list[Operand], list[Operand]]]:
-        """RIGID_STARTS of the next step, and those of this one."""
+        """HELD_STARTS of the next step, and those of this one."""
         pairs, sizes = [], []
         for name in ("pressed", "reserve"):
-            ends, most = self.ends.rigid[name], self.touch.rigid[f"most {name}"]
-            pairs.append((ends, self.touch.rigid[name]))
+            ends, most = self.ends.held[name], self.touch.held[f"most {name}"]
+            pairs.append((ends, self.touch.held[name]))
             sizes.append(([select(still, abs(x), largest(abs(x), y)) for x, y in zip(ends, most, strict=True)], most))
         return [*pairs, *sizes]
 
@@ -570,35 +597,53 @@ class Meeting:
 
     def _states(self, still: Flag, strikes: Flag) -> tuple[list[Operand], list[Operand]]:
         """What contacts are after a good trip, and their speeds; still: it took no time."""
-        touch, ends = self.touch, self.ends
-        shut, speed = list(touch.shut), list(touch.speed)
+        shut, speed = list(self.touch.shut), list(self.touch.speed)
         for n in range(self.meets.count):
             if n not in self.meets.rigid:
-                begins = self.near[n] & apply("not", self.shut[n])
-                shut[n] = select(self.near[n], 1.0 - touch.shut[n], touch.shut[n])
-                speed[n] = select(begins, largest(-ends.rate[n], 0.0), touch.speed[n])
-        ended = _any((self.near[n] & self.shut[n]) | (x > 0.0) for n, x in zip(self.meets.rigid, self.met.spent, strict=True))
-        for k, n in enumerate(self.meets.rigid):
-            end = {name: rows[k] for name, rows in ends.rigid.items()}
-            # at the end of a step
-            goes, way = touch.shut[n], touch.speed[n]
-            goes = select(self.shut[n] & (ended | strikes), select(strikes, HITS, DECIDES), goes)
-            goes = select(self.near[n], select(self.shut[n], OPEN, HITS), goes)
-            way = select(self.near[n], 0.0, way)
-            broken = select(end["tangent"] > 0.0, 1.0, -1.0)  # the force on B along t is -T: it begins to slip so
-            way = select(self.met.spent[k] > 0.0, select(apply("equal", way, 0.0), broken, 0.0), way)
-            # after an impact, and after a decision
-            rises, part = end["calm"], touch.shut[n] > 0.5
-            low = (end["bend"] < 0.0) & (rises * largest(rises, 0.0) <= -2.0 * end["bend"] * self.met.low[k])
-            after = select(part & low, DECIDES, OPEN)
-            sense = select(end["slip"] > 0.0, 1.0, select(end["slip"] < 0.0, -1.0, 0.0))
-            shut[n] = select(
-                still, select(self.hits, after, select(self.decides, self.struck.shut[k], touch.shut[n])), goes
-            )
-            speed[n] = select(
-                still, select(self.hits, sense, select(self.decides, self.struck.slide[k], touch.speed[n])), way
-            )
+                shut[n], speed[n] = self._compliant(n)
+        ended = _any(
+            (self.near[n] & self.shut[n]) | (self.met.spent[self.meets.held.index(n)] > 0.0) for n in self.meets.rigid
+        )
+        for n in self.meets.rigid:
+            shut[n], speed[n] = self._rigid(n, still, strikes, ended)
         return shut, speed
+
+    def _compliant(self, n: int) -> tuple[Operand, Operand]:
+        """What a compliant contact is after a trip, and its approach speed."""
+        code, near = self.touch.shut[n], self.near[n]
+        begins = near & (code < 0.5)
+        after = select(code > 0.5, 0.0, 1.0)
+        if n in self.meets.held:
+            again = self.met.spent[self.meets.held.index(n)] > 0.0
+            after = select(self.shut[n] & (self.ends.gap[n] < 0.0), RELEASED, after)
+            after, near, begins = select(again, 1.0, after), near | again, begins | again
+        speed = select(begins, largest(-self.ends.rate[n], 0.0), self.touch.speed[n])
+        return select(near, after, code), speed
+
+    def _rigid(self, n: int, still: Flag, strikes: Flag, ended: Flag) -> tuple[Operand, Operand]:
+        """What a rigid contact is after a trip, and the sense of its slip."""
+        touch, near, k, r = self.touch, self.near[n], self.meets.held.index(n), self.meets.rigid.index(n)
+        end = {name: rows[k] for name, rows in self.ends.held.items()}
+        level, spent = bool(self.meets.table[n, at.LEVEL]), self.met.spent[k] > 0.0
+        # at the end of a step
+        goes, way = touch.shut[n], touch.speed[n]
+        part = (touch.shut[n] < 0.5) | self.shut[n] if level else self.shut[n]
+        goes = select(part & strikes, HITS, select(self.shut[n] & ended, DECIDES, goes))
+        goes = select(near, select(self.shut[n], OPEN, HITS), goes)
+        way = select(near, 0.0, way)
+        broken = select(end["tangent"] > 0.0, 1.0, -1.0)  # the force on B along t is -T: it begins to slip so
+        way = select(spent, select(apply("equal", way, 0.0), broken, 0.0), way)
+        goes = select(spent, DECIDES, goes) if level else goes
+        # after an impact, and after a decision
+        rises, took_part = end["calm"], touch.shut[n] > 0.5
+        low = (end["bend"] < 0.0) & (rises * largest(rises, 0.0) <= -2.0 * end["bend"] * self.met.low[k])
+        if level:
+            low = (end["bend"] < 0.0) & (rises <= 0.0)
+        after = select(took_part & low, DECIDES, OPEN)
+        sense = select(end["slip"] > 0.0, 1.0, select(end["slip"] < 0.0, -1.0, 0.0))
+        shut = select(self.hits, after, select(self.decides, self.struck.shut[r], touch.shut[n]))
+        slide = select(self.hits, sense, select(self.decides, self.struck.slide[r], touch.speed[n]))
+        return select(still, shut, goes), select(still, slide, way)
 
     @staticmethod
     def _moved(good: Flag, new: Sequence[Operand], old: Sequence[Operand]) -> list[Operand]:

@@ -103,7 +103,7 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
     crossings = {curve: (crossed[2 * n], crossed[2 * n + 1]) for n, curve in enumerate(ledger.conditions)}
     seen = dict(zip(ledger.watched, zip(shown, shown[len(ledger.watched) :], strict=False), strict=True))
     touches = None if meeting is None else meeting.touches
-    at_start = still & (t_new <= 0.0) if meets is not None and meets.rigid else False
+    at_start = still & (t_new <= 0.0) if meets is not None else False
     rows, asks = ledger.advance(Step(h, t, t_new, number, last, samples, crossings, seen, touches), held, at_start)
     accounted = flag(graph, rows[ledger.sound_row]) if ledger.sound_row is not None else True
     reached: Operand = GOING_ON

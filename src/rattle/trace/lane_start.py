@@ -6,7 +6,7 @@ import numpy as np
 
 from rattle.jit import layout as at
 from rattle.solvers.nonsmooth.event_driven import START_NEAR
-from rattle.trace.lane_contacts import Ends, Row
+from rattle.trace.lane_contacts import HELD_STARTS, Ends, Row
 from rattle.trace.lane_control import Status
 from rattle.trace.lane_program import Program
 from rattle.trace.recorded_rigid import DECIDES, HITS, OPEN
@@ -83,18 +83,26 @@ class Stock:
         self.touch[-1] = -np.inf  # no contact has turned yet
         apart = np.asarray(rows[:count] > 0.0)
         ends, near = Ends(meets, list(rows)), {}
-        for k, n in enumerate(meets.rigid):
+        held = {n: {name: x[k] for name, x in ends.held.items()} for k, n in enumerate(meets.held)}
+        for n in meets.rigid:
             scale = meets.lever[n][at.GAP_SCALE]
             size = state[scale.place] if isinstance(scale, Row) else scale
-            near[n] = (rows[n] <= START_NEAR * size) & (ends.rigid["calm"][k] <= 0.0)
+            near[n] = (rows[n] <= START_NEAR * size) & (held[n]["calm"] <= 0.0)
             apart[n] = rows[n] > -START_NEAR * size
-        hits = {n: near[n] & (ends.rigid["calm"][k] < 0.0) for k, n in enumerate(meets.rigid)}
+            if meets.table[n, at.LEVEL]:
+                apart[n] = True
+        hits = {n: near[n] & (held[n]["calm"] < 0.0) for n in meets.rigid}
         any_hits = np.any([*hits.values(), np.zeros(self.n, dtype=bool)], axis=0)
-        for k, n in enumerate(meets.rigid):
+        for n in meets.rigid:
             rests = np.where(any_hits, HITS, DECIDES)
             self.touch[n] = np.where(hits[n], HITS, np.where(near[n], rests, OPEN))
-            self.touch[count + n] = np.where(near[n], np.sign(ends.rigid["slip"][k]), 0.0)
+            self.touch[count + n] = np.where(near[n], np.sign(held[n]["slip"]), 0.0)
             self.still[near[n]] = 1.0
+        first = count * 4 + 2 * len(meets.peaks)
+        for place, name in enumerate(HELD_STARTS):
+            for k, n in enumerate(meets.held):
+                value = np.asarray(held[n][name.removeprefix("most ")])
+                self.touch[first + place * len(held) + k] = np.abs(value) if name.startswith("most ") else value
         self.constants[: 2 * count] = self.touch[: 2 * count]
         return np.asarray(apart.all(axis=0))
 

@@ -7,18 +7,20 @@ its tangent, which the factor of the equations of motion gives.
 
 from __future__ import annotations
 
+import math
 from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 
 from rattle.equations import compliant, motion
-from rattle.equations.state import IMPULSE, LOSS, WORK, account_at, energies_at
+from rattle.equations.state import IMPULSE, LOSS, STORED, WORK, account_at, energies_at
 from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.jit import families
 from rattle.jit import layout as at
 from rattle.language.recorded import Flag, Operand, Recorded, bare
+from rattle.solvers.contacts.contact_events import push
 from rattle.solvers.contacts.gap_search import rate_rounding
 from rattle.trace.graph import Graph, Symbol, both, select
 from rattle.trace.recorded_language import Copies
@@ -31,8 +33,8 @@ NEWTON = 0.0  # see the choices of `restitution_law`
 SHALLOW = 1e-30  # least depth for which laws are computed: a step may end beyond that of a contact [m or rad]
 APART = 1e-3  # depth with which the laws of an open contact are computed, and left aside [m or rad]
 UNABLE = (
-    (at.FILM_LAW, "oil", lambda x: x >= 0), (at.LEVEL, "a clutch", bool), (at.WORN, "wear", bool),
-    (at.TOOTHED, "teeth", bool), (at.STATES, "friction with states", bool),
+    (at.FILM_LAW, "oil", lambda x: x >= 0), (at.WORN, "wear", bool), (at.TOOTHED, "teeth", bool),
+    (at.STATES, "friction with states", bool),
 )  # fmt: skip
 
 
@@ -55,6 +57,16 @@ class _Gap(Symbol):
 
     def __neg__(self) -> Operand:
         return _positive(super().__neg__())
+
+
+class _Depth(Symbol):
+    """A gap of either sign whose size is a depth of laws."""
+
+    __slots__ = ()
+
+    def __abs__(self) -> Operand:
+        size = super().__abs__()
+        return _positive(select(size > SHALLOW, size, SHALLOW))
 
 
 def _positive(x: Operand) -> Operand:
@@ -89,6 +101,9 @@ class RecordedContacts:
             for column, words, has in UNABLE:
                 if has(self.table[n, column]):
                     raise TraceError(f"contacts with {words} (joint {joint}) cannot be straight-line code")
+            torque = values[places[n] + at.MOST_TORQUE] if self.table[n, at.LEVEL] and self.rigid[n] else 0.0
+            if self.table[n, at.LEVEL] and not (lanes and not isinstance(torque, Recorded) and torque == math.inf):
+                raise TraceError(f"a clutch (joint {joint}) cannot be straight-line code, but an ideal one side by side")
         self.shut = [graph.input() for _ in self.joints]
         self.speed = [graph.input() for _ in self.joints]
         self.is_shut = [shut > 0.5 for shut in self.shut]
@@ -103,7 +118,8 @@ class RecordedContacts:
         """Set what kernels find in the memory of contacts."""
         workspace.closed_contacts_table = (self._hold,) if self._rigid else ()
         for n in range(min(len(self), len(workspace.contact_memory))):
-            workspace.contact_memory[n, at.CLOSED] = at.SHUT
+            clutch = self.rigid[n] and self.table[n, at.LEVEL]
+            workspace.contact_memory[n, at.CLOSED] = select(self.is_shut[n], at.SHUT, at.OPEN) if clutch else at.SHUT
             workspace.contact_memory[n, at.SPEED] = self.speed[n]
 
     def begin(self, copies: Copies) -> None:
@@ -162,9 +178,25 @@ class RecordedContacts:
         for contacts in self._rigid:
             contacts.hold(m)
 
-    def struck(self, m: SimpleNamespace, y: np.ndarray) -> Struck | None:
-        """What becomes of the state y (ny,) at an instant at which rigid contacts hit, or their modes are looked for."""
-        return self._rigid[0].struck(m, y) if self._rigid and not m.massless.shape[0] else None
+    def struck(self, m: SimpleNamespace, y: np.ndarray) -> Struck:
+        """What becomes of the state y (ny,) at the end of a step: what contacts without force have stored is lost, rigid
+        ones hit, or their modes are looked for."""
+        if self._rigid and m.massless.shape[0]:
+            raise TraceError("impacts beside bodies without mass cannot be straight-line code")
+        state = y.copy()
+        for n in np.flatnonzero(~self.rigid):
+            account = self._copies.of(account_at.python)(m, n)
+            kept, lost = state[account + STORED], state[account + LOSS]
+            state[account + LOSS] = select(self.is_shut[n], lost, lost + kept)
+            state[account + STORED] = select(self.is_shut[n], kept, 0.0)
+        return self._rigid[0].struck(m, state) if self._rigid else Struck(list(state), {}, {}, {}, True)
+
+    def push(self, m: SimpleNamespace, n: int) -> Operand:
+        """Force [N] of contact n that ends by it, also where it would pull; see `contact_events.push`."""
+        row = m.contact_kinematics[n]
+        gap = _Depth(row[at.GAP].graph, row[at.GAP].place)
+        force: Operand = self._copies.of(push.python)(m, n, gap, row[at.DGAP])
+        return Symbol(force.graph, force.place) if isinstance(force, Symbol) else force
 
     def bends(self, m: SimpleNamespace) -> dict[int, Operand]:
         """g'' of rigid contacts [m/s^2 or rad/s^2] at the accelerations in m."""

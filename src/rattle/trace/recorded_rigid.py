@@ -364,7 +364,7 @@ class RigidContacts:
         nq = m.change.shape[0]
         moved = np.zeros(m.acceleration.shape, dtype=object)
         self._add(moved, slots, impulses, "away")
-        gap = {n: m.contact_kinematics[n, at.GAP] for n in self.numbers}
+        gap = {n: 0.0 if self.table[n, at.LEVEL] else m.contact_kinematics[n, at.GAP] for n in self.numbers}
         ways = self._put_back(slots, [slot.of(gap) for slot in slots])
         placed = np.zeros(m.acceleration.shape, dtype=object)
         self._add(placed, slots, ways, "away")

@@ -18,8 +18,8 @@ from rattle.language.syntax import Apply, Name, Node, Number, walk
 from rattle.results.reductions import EVENTS_OF_CONTACT, OF_EVENTS, Output, argument
 from rattle.trace import reductions
 from rattle.trace.copying import replaced
-from rattle.trace.elementary import lower
 from rattle.trace.derivative import tangent
+from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph, Symbol
 from rattle.trace.hoist import hoist
 from rattle.trace.lane_chain import Function
@@ -176,7 +176,7 @@ def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, st
     places = np.cumsum([0, *map(len, parts)])
     written = [outputs[a:b] for a, b in itertools.pairwise(places)]
     rate, arrive, row, touched, half = (compile_function(late, part) for part in written[:5])
-    strike = compile_function(late, written[6]) if struck else None
+    strike = compile_function(late, written[6])
     watch = [compile_function(late, part) for part in written[7:]]
     prepare = compile_function(early, prepared)
     energy = compile_function(*lower(graph, [energies[-1]]))
@@ -211,10 +211,10 @@ class _Met:
         self.ends: list[Operand] = []
         self.midway: list[Operand] = []
         self.struck: list[Operand] = []
-        self.inputs, self.peaks, self.rigid = 0, (), ()
+        self.inputs, self.peaks, self.held = 0, (), ()
         if model.contacts is None:
             return
-        are, functions = model.contacts.are, model.contacts
+        functions = model.contacts
         self.inputs = 2 * functions.count
         self.levers = [symbol_of(x) for x in model.recorded.arrays["lever"].ravel()]
         self.peaks = tuple(
@@ -227,20 +227,17 @@ class _Met:
             *normal, *tangent(model.graph, normal, flow),
         ]  # fmt: skip
         self.midway = [*functions.gap, *functions.rate, *normal]
-        self.rigid, self.struck = (), []
-        rigid = functions.rigid
-        if rigid is None:
-            return
-        self.rigid = tuple(rigid.numbers)
-        pressed = [functions.normal[n] for n in self.rigid]
-        self.ends += [*pressed, *rigid.reserve, *rigid.slip, *rigid.tangent, *rigid.bend, *rigid.calm]
-        self.midway += [*pressed, *rigid.reserve]
-        struck = rigid.struck
+        held = functions.held
+        assert held is not None, "contacts are recorded for lanes"
+        self.held = tuple(held.numbers)
+        self.ends += [*held.pressed, *held.reserve, *held.slip, *held.tangent, *held.bend, *held.calm]
+        self.midway += [*held.pressed, *held.reserve]
+        struck = held.struck
         of_contacts = [*struck.shut.values(), *struck.slide.values(), *struck.impulse.values()]
         self.struck = [*struck.state, *of_contacts, struck.sound]
 
     def meets(
-        self, late: Graph, levers: Sequence[Operand], touched: Function, midway: Function, struck: Function | None
+        self, late: Graph, levers: Sequence[Operand], touched: Function, midway: Function, struck: Function
     ) -> Meets | None:
         """As lanes read it; late: the calculation of every step, levers: what stands for them there."""
         if self.model.contacts is None:
@@ -250,7 +247,7 @@ class _Met:
         table = self.model.system.arrays["contact"]
         width = len(values) // len(table)
         entries = [values[n * width : (n + 1) * width] for n in range(len(table))]
-        return Meets(table, entries, 3 * self.model.system.body_count, touched, midway, self.peaks, self.rigid, struck)
+        return Meets(table, entries, 3 * self.model.system.body_count, touched, midway, struck, self.peaks, self.held)
 
 
 def _number(graph: Graph, x: Operand) -> float:

@@ -57,7 +57,7 @@ class ContactFunctions:
     across: list[Operand]  # speeds of centres of pins across their normals [m/s]
     lasting: list[Operand]  # how long it will last about, which has just begun [s]; 0: unknown
     impacts: dict[int, list[Impact]]  # of the rigid ones; of one that may last with its restitution, and without
-    rigid: RigidFunctions | None = None  # of lanes
+    held: HeldFunctions | None = None  # of lanes
 
     @property
     def count(self) -> int:
@@ -66,11 +66,13 @@ class ContactFunctions:
 
 
 @dataclass(frozen=True)
-class RigidFunctions:
-    """Recorded functions of the rigid contacts of a model, which lanes follow; lists by contact, in order."""
+class HeldFunctions:
+    """Recorded functions of the contacts of a model that end where their force does, and of rigid ones, for lanes;
+    lists by contact, in order."""
 
     numbers: list[int]
-    reserve: list[Operand]  # above zero while it slips as it does [m/s], or sticks [N]
+    pressed: list[Operand]  # force while it is shut; of a compliant one also what it would pull with [N or N m]
+    reserve: list[Operand]  # above zero while it slips as it does [m/s], or sticks [N]; of an open clutch, its rate
     slip: list[Operand]  # [m/s], 0 where it may be rounding
     calm: list[Operand]  # rate of the gap [m/s or rad/s] likewise
     tangent: list[Operand]  # T of B against A along t [N]
@@ -191,34 +193,43 @@ def _record_contacts(
 ) -> ContactFunctions:
     """Gaps, forces and impacts of contacts."""
 
-    def measured() -> tuple[SimpleNamespace, dict[int, list[Impact]], RigidFunctions | None]:
+    def measured() -> tuple[SimpleNamespace, dict[int, list[Impact]], HeldFunctions | None]:
         workspace = recording.run(derivative, t, y, np.zeros(len(y), dtype=object))
         if lanes:
-            return workspace, {}, _rigid(met, workspace, y)
+            return workspace, {}, _held(met, workspace, y)
         return workspace, recorder.impacts(workspace, y), None
 
-    (workspace, impacts, rigid), _ = recording.guarded(measured)
+    (workspace, impacts, held), _ = recording.guarded(measured)
     kept = (at.GAP, at.DGAP, at.NORMAL, at.ACROSS)
     gap, rate, normal, across = (list(workspace.contact_kinematics[:, column]) for column in kept)
-    return ContactFunctions(met, gap, rate, normal, across, met.lasting(workspace), impacts, rigid)
+    return ContactFunctions(met, gap, rate, normal, across, met.lasting(workspace), impacts, held)
 
 
-def _rigid(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray) -> RigidFunctions | None:
-    """Functions of rigid contacts at the state y, for which the equations of motion stand in m."""
-    struck, kinematics = met.struck(m, y), m.contact_kinematics
-    if struck is None:
-        return None
-    numbers, bends = np.flatnonzero(met.rigid).tolist(), met.bends(m)
-    reserve, slip, calm, tangent = [], [], [], []
-    for n in numbers:
-        slips, held = met.calm(m, n, kinematics[n, at.SLIP]), kinematics[n, at.TANGENT]
-        sticks = abs(met.speed[n]) < 0.5
-        left = met.friction(m, n) * kinematics[n, at.NORMAL] - abs(held)
-        reserve.append(1.0 if met.lasts[n] else select(sticks, left, met.speed[n] * kinematics[n, at.SLIP]))
-        slip.append(slips)
-        calm.append(met.calm(m, n, kinematics[n, at.DGAP]))
-        tangent.append(held)
-    return RigidFunctions(numbers, reserve, slip, calm, tangent, [bends[n] for n in numbers], struck)
+def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray) -> HeldFunctions:
+    """Functions of contacts that their forces hold, at the state y, for which the equations of motion stand in m."""
+    struck, kinematics, bends = met.struck(m, y), m.contact_kinematics, met.bends(m)
+    held = HeldFunctions([], [], [], [], [], [], [], struck)
+    for n in np.flatnonzero(met.by_force).tolist():
+        row, rigid = kinematics[n], bool(met.rigid[n])
+        held.numbers.append(n)
+        held.pressed.append(row[at.NORMAL] if rigid else met.push(m, n))
+        held.reserve.append(_reserve(met, m, n) if rigid else 1.0)
+        held.slip.append(met.calm(m, n, row[at.SLIP]) if rigid else 0.0)
+        held.calm.append(met.calm(m, n, row[at.DGAP]) if rigid else 0.0)
+        held.tangent.append(row[at.TANGENT] if rigid else 0.0)
+        held.bend.append(bends[n] if rigid else 0.0)
+    return held
+
+
+def _reserve(met: RecordedContacts, m: SimpleNamespace, n: int) -> Operand:
+    """What is left of the slip or the stick of a rigid contact, see `HeldFunctions`."""
+    row = m.contact_kinematics[n]
+    if met.table[n, at.LEVEL]:
+        return select(met.is_shut[n], 1.0, row[at.DGAP])
+    if met.lasts[n]:
+        return 1.0
+    sticks = abs(met.speed[n]) < 0.5
+    return select(sticks, met.friction(m, n) * row[at.NORMAL] - abs(row[at.TANGENT]), met.speed[n] * row[at.SLIP])
 
 
 def record_curves(recording: Recording, t: Operand, y: np.ndarray) -> tuple[dict[str, Operand], dict[str, str], Flag]:

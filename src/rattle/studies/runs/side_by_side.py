@@ -144,12 +144,8 @@ def _require_followed(system: System, adaptive: bool) -> None:
         joint = system.joints[entry[at.OWNER]]
         if not adaptive:
             raise TraceError(f"steps of equal length do not end at contacts (joint {joint})")
-        for has, words in (
-            (entry[at.BY_FORCE] == 1, "contacts that end where their force does"),
-            (lever[at.ONE_WAY] > 0.0, "contacts that end at an end"),
-        ):
-            if has:
-                raise TraceError(f"{words} (joint {joint}) run one by one")
+        if lever[at.ONE_WAY] > 0.0:
+            raise TraceError(f"contacts that end at an end (joint {joint}) run one by one")
 
 
 def _program(model: RecordedModel, asked: Asked, task: Task, method: str) -> Program:
