@@ -332,7 +332,7 @@ def test_the_four_bar_takes_the_steps_of_the_package():
     alike = Method(DOP853.tableau, SAFETY)
     outcome = run(Program(model, lowered, alike, [Reduction("final", 0)], t_end), np.zeros((1, 1)))
     stats = m.simulate(t_eval=[0.0, t_end], rtol=1e-8).stats
-    tries = (outcome.evaluations - 2) / 12
+    tries = (outcome.tallies.evaluations - 2) / 12
     assert abs(int(outcome.steps[0]) - stats["steps"]) <= 1
     assert abs(tries - outcome.steps[0] - stats["rejected"]) <= 1
     assert stats["rejected"] > 0
@@ -366,7 +366,7 @@ def test_a_sample_has_the_same_bits_in_any_company(method, kinds):
     mixed = run(program, w[:, order], width=16)
     for one, other in zip(outcome[:3], mixed[:3], strict=True):
         assert np.array_equal(one[..., order], other, equal_nan=True)
-    assert mixed.evaluations == outcome.evaluations
+    assert mixed.tallies.evaluations == outcome.tallies.evaluations
 
 
 @pytest.mark.parametrize("method", [DOP853, RK4])
@@ -385,7 +385,7 @@ def test_extremes_are_those_of_steps_that_are_all_sampled(method):
             outcomes.append(run(program, W[None], width=8))
         assert np.array_equal(outcomes[0].values, outcomes[1].values)
     if method is DOP853:  # has stages for samples alone
-        assert outcomes[0].evaluations < 0.95 * outcomes[1].evaluations
+        assert outcomes[0].tallies.evaluations < 0.95 * outcomes[1].tallies.evaluations
 
 
 def test_samples_on_broken_assumptions_end_the_sample():
@@ -427,7 +427,7 @@ def test_steps_in_tiles_of_machine_code_have_the_same_bits(method, kinds):
     for width, looks, threads in ((208, 1, 1), (208, 8, 1), (48, 3, 1), (8, 100, 1), (64, 8, 2)):
         found, again = bits(program, w, width=width, looks=looks, threads=threads)
         assert found == whole, (width, looks, threads)
-        assert again.evaluations == outcome.evaluations
+        assert again.tallies.evaluations == outcome.tallies.evaluations
 
 
 def test_tiles_are_independent():

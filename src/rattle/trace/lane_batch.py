@@ -8,11 +8,13 @@ slopes follow y; what `settle` reads is one report.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from rattle.trace.crossings import bracketed
 from rattle.trace.lane_chain import Aside, Call, Calls
+from rattle.trace.lane_contacts import COUNTED, Touch
 from rattle.trace.lane_control import (
     CONTROL,
     GOING_ON,
@@ -38,6 +40,20 @@ def _aligned(*shape: int) -> np.ndarray:
     raw = np.zeros(math.prod(shape) + LINE)
     skip = -raw.ctypes.data // 8 % LINE
     return raw[skip : skip + math.prod(shape)].reshape(shape)
+
+
+class Tallies(NamedTuple):
+    """What samples took, in all."""
+
+    evaluations: int = 0  # of the right-hand side
+    tries: int = 0  # steps that were tried
+    doubts: int = 0  # of these, not proven free of contacts
+    landings: int = 0  # to end at a contact
+    turns: int = 0  # contacts that began or ended, or changed
+
+    def plus(self, other: Tallies) -> Tallies:
+        """Both together."""
+        return Tallies(*(a + b for a, b in zip(self, other, strict=True)))
 
 
 class Batch:
@@ -275,9 +291,9 @@ class Batch:
             self._chains[1]()
         return np.flatnonzero((self.sample >= 0) & (self._all("control")[:, RUNNING].reshape(-1) == 0.0))
 
-    def ended(self, lanes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
-        """Status, steps (k,) of lanes whose samples are through; values of the reductions (reductions, k); number of
-        right-hand sides that they took."""
+    def ended(self, lanes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, Tallies]:
+        """Status, steps (k,) of lanes whose samples are through; values of the reductions (reductions, k); what they
+        took."""
         program, control, count = self.program, self._lane("control", lanes), len(lanes)
         rows = np.ascontiguousarray(self._lane("rows", lanes[filled(len(lanes))]))
         values = np.zeros((len(program.ledger.reductions), rows.shape[1]))
@@ -288,7 +304,11 @@ class Batch:
             states, asked = rows[program.ledger.aside_row :][:2, :count].astype(np.int64)
             status = np.where(status == Status.DONE, states, status)
             spent += len(program.later) * int(asked.sum())
-        return status, steps, values[:, :count], spent
+        tallies = Tallies(spent, int(tries.sum()))
+        if program.model.meets is not None:
+            touch = Touch(program.model.meets, list(self._lane("touch", lanes)))
+            tallies = Tallies(spent, tallies.tries, *(int(np.sum(touch.lane[name])) for name in COUNTED))
+        return status, steps, values[:, :count], tallies
 
     def _cross(self) -> None:
         """Where in the step conditions begin and end, in the lanes that ask."""

@@ -14,6 +14,7 @@ Source: Farouki, The Bernstein polynomial basis, Computer Aided Geometric Design
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Sequence
 from types import SimpleNamespace
 from typing import NamedTuple
@@ -37,7 +38,7 @@ from rattle.trace.reductions import Touches
 LANE = ("closing", "hit length", "free length", "doubts", "landings", "turned", "turns", "turned at")
 COUNTED = ("doubts", "landings", "turned")
 RELEASED = 2.0  # of a compliant contact: without force inside its wall
-# of contacts that forces hold, at the end of a step: force, reserve of its slip or stick, slip, T, g'', g' without rounding
+# of contacts that forces hold, at the end of a step: force, reserve of slip or stick, slip, T, g'', g' without rounding
 HELD_STARTS = ("pressed", "reserve", "most pressed", "most reserve")  # force, reserve; their sizes while it is so
 HELD_ENDS = ("pressed", "reserve", "slip", "tangent", "bend", "calm")
 SHARP = 1e-11  # share of the step that first went beyond a contact by which the instant of the contact may be missed
@@ -240,7 +241,7 @@ def _halves(b: Sequence[Operand]) -> tuple[list[Operand], list[Operand]]:
     """Coefficients of the two halves of a polynomial in Bernstein's form, by de Casteljau."""
     left, right, rest = [b[0]], [b[-1]], list(b)
     while len(rest) > 1:
-        rest = [0.5 * (x + y) for x, y in zip(rest, rest[1:], strict=False)]
+        rest = [0.5 * (x + y) for x, y in itertools.pairwise(rest)]
         left.append(rest[0])
         right.append(rest[-1])
     return left, right[::-1]
@@ -310,7 +311,9 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
         for look in looks:
             hit, doubt = hit | look.below, doubt | apply("not", look.free)
             theta = select(look.below, least(theta, look.zero), theta)
-            short = select(look.free, short, least(short, least(MOST_SHARE * h, largest(look.allowed, LEAST_SHARE * h))))
+            short = select(
+                look.free, short, least(short, least(MOST_SHARE * h, largest(look.allowed, LEAST_SHARE * h)))
+            )
             due = least(due, look.due * h)
         near.append(looks[0].arrives)
     moves = apply("not", still > 0.0)
@@ -367,9 +370,7 @@ def _held_looks(
     return [*looks, again.instead_of(_NOTHING, released)]
 
 
-def _reserve_at(
-    h: Operand, reach: Operand, start: Operand, middle: Operand, end: Operand, most: Operand
-) -> _Look:
+def _reserve_at(h: Operand, reach: Operand, start: Operand, middle: Operand, end: Operand, most: Operand) -> _Look:
     """What three values say of the force of a rigid contact, or of what keeps it slipping or sticking.
 
     most: size that it has had.
@@ -381,6 +382,7 @@ def _reserve_at(
     slight = SLIGHT * size
     close = largest(slight, SHARP * reach / largest(h, LITTLE) * abs(curve.ends))
     arrives = ((curve.ends < 0.0) & (abs(end) <= close)) | ((reach > 0.0) & (abs(end) <= NOTHING_LEFT * size))
+    arrives = arrives & (size > 0.0)
     close = select(arrives, largest(close, NOTHING_LEFT * size), slight)
     low = least(start, 0.0) - close
     turns = (bend > 0.0) & (rises < 0.0) & (curve.ends > 0.0)
@@ -490,7 +492,8 @@ class Lane(NamedTuple):
     still: Flag  # it took no time
     landing: Operand
     ahead: Operand  # the step that its error allows next [s]
-    kept: Operand  # that which was to follow
+    planned: Operand  # that which was to follow
+    kept: Flag  # its stages are sound
 
 
 class Meeting:
@@ -533,13 +536,13 @@ class Meeting:
         strikes = _any(self.near[n] & apply("not", self.shut[n]) for n in rigid)
         turns = flags.good & (_any(self.near) | _any(x > 0.0 for x in met.spent))
         reach = select(landing > 0.0, lane["hit length"], h)
-        hit = met.hit > 0.0  # also where an error is too large: beyond its contact a curve has a kink
+        hit = (met.hit > 0.0) & flags.kept  # also where an error is too large: beyond its contact a curve has a kink
         cut = hit | (flags.fits & (met.cut > 0.0))
         lands = landing > 0.0
         comes = lands & flags.good & apply("not", turns | still) & (met.due <= SOON * lane["hit length"])
         missed = lands & apply("not", hit | flags.fits)
         ahead = select(comes, met.due, self._ahead(h, flags, hit, cut, missed))
-        first = select(lane["closing"] > 0.0, least(flags.kept, FIRST_STEP * self._lasting()), flags.kept)
+        first = select(lane["closing"] > 0.0, least(flags.planned, FIRST_STEP * self._lasting()), flags.planned)
         after = select(closes | strikes, reach, largest(reach, AFTER_CONTACT * lane["free length"]))
         ahead = select(turns, after, select(still, first, ahead))
         again = (t - lane["turned at"]) <= AT_ONCE * t

@@ -10,9 +10,10 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from rattle.language.recorded import Flag, Operand
+from rattle.solvers.step_size import LEAST
 from rattle.trace.graph import apply, both, select
 from rattle.trace.lane_contacts import Lane, Meeting, Meets
-from rattle.trace.lane_methods import PLAN, PLANNED, Recorded, flag, inputs
+from rattle.trace.lane_methods import PLAN, PLANNED, Recorded, flag, inputs, least
 from rattle.trace.reductions import Ledger, Step
 
 VERDICT = ("ahead", "accepted")  # see `judge`
@@ -92,10 +93,11 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
     running, status, number, steps, tries, t, *_ = control
     running, accepted, short, last = (flag(graph, x) for x in (running, flags[0], short, last))
     fits, still = accepted, flag(graph, control[-2])
+    curves_sound, curves_finite, kept, sound, finite = (flag(graph, x) for x in flags[1:])
     meeting = None if meets is None else Meeting(meets, touch, ends, met, struck)
     if meeting is not None:
-        accepted = (fits & apply("not", meeting.met.cut > 0.0)) | still
-    curves_sound, curves_finite, kept, sound, finite = (flag(graph, x) for x in flags[1:])
+        fits = fits & kept  # stages of a try that goes far beyond a contact say nothing
+        accepted = (fits & apply("not", meeting.met.cut > 0.0)) | (still & kept)
     wide = ledger.curves + 1
     samples = [[curves[n], *after[n::wide]] for n in range(ledger.curves)]
     if meets is not None:  # where no time passes, what holds from then on counts alone
@@ -111,13 +113,15 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         (tries >= float(most_steps), Status.TOO_MANY_STEPS), (accepted & apply("not", accounted), Status.ENERGY),
         (accepted & apply("not", sound & curves_sound), Status.ASSUMPTION),
         (accepted & apply("not", finite & curves_finite), Status.NOT_FINITE),
-        (apply("not", kept), Status.ASSUMPTION), (short, Status.STEP_TOO_SMALL),
+        (apply("not", kept) & (still if meeting is not None else True), Status.ASSUMPTION),
+        (short, Status.STEP_TOO_SMALL),
     ):  # fmt: skip
         reached = select(fails, float(why), reached)
     good = both(graph, [running, accepted, reached < 0.0])
     turned = None
     if meeting is not None:
-        lane = Lane(running, good, fits, still, control[-1], ahead, control[len(CONTROL) - len(PLAN) + 1])
+        ahead = select(kept, ahead, least(ahead, LEAST * h))
+        lane = Lane(running, good, fits, still, control[-1], ahead, control[len(CONTROL) - len(PLAN) + 1], kept)
         turned = meeting.turn(proposed, lane)
         reached = select(turned.lost, float(Status.CONTACTS), reached)
         ahead = turned.ahead
@@ -134,7 +138,8 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         plan[-2], plan[-1], taken = turned.still, turned.landing, good & apply("not", still)
     controlled = [going, select(running, reached, status), number, steps + _one(taken), tries + _one(running), *plan]
     last_curves, rows = (
-        [select(good, new, old) for new, old in zip(*pair, strict=True)] for pair in ((after[-wide:], curves), (rows, held))
+        [select(good, new, old) for new, old in zip(*pair, strict=True)]
+        for pair in ((after[-wide:], curves), (rows, held))
     )
     return graph, [good, taken & asks, *last_curves, *(turned.touch if turned else ()), *rows, *controlled]
 

@@ -51,7 +51,9 @@ class Model(NamedTuple):
     watch: Function | None = None  # as rate, then the curves of these numbers
     watched: tuple[int, ...] = ()
     arrive: Function | None = None  # project, then rate and outputs of the state that it gives, which share operations
-    meets: Meets | None = None  # contacts; then `arrive` ends with `Ends`, and constants begin with the first of `Touch`
+    meets: Meets | None = (
+        None  # contacts; then `arrive` ends with `Ends`, and constants begin with the first of `Touch`
+    )
 
 
 class Program:

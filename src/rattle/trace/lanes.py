@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle.trace.lane_batch import Batch
+from rattle.trace.lane_batch import Batch, Tallies
 from rattle.trace.lane_control import Status
 from rattle.trace.lane_program import EIGHT, Program
 from rattle.trace.lane_start import Stock
@@ -34,7 +34,7 @@ class Outcome(NamedTuple):
     values: np.ndarray  # (reductions, N) [SI], nan where the status is not DONE
     status: np.ndarray  # (N,) int8, see `Status`
     steps: np.ndarray  # (N,) int32, accepted steps
-    evaluations: int  # of the right-hand side, in all
+    tallies: Tallies  # of all
 
 
 class _Work:
@@ -44,9 +44,9 @@ class _Work:
         count = parameters.shape[1]
         self.parameters, self.count = parameters, count
         self.outcome = Outcome(
-            np.full((values, count), np.nan), np.zeros(count, dtype=np.int8), np.zeros(count, dtype=np.int32), 0
+            np.full((values, count), np.nan), np.zeros(count, dtype=np.int8), np.zeros(count, dtype=np.int32), Tallies()
         )
-        self.evaluations, self.broken = 0, False
+        self.tallies, self.broken = Tallies(), False
         self._next, self._done, self._progress, self._lock = 0, 0, progress, threading.Lock()
 
     def take(self, most: int) -> range:
@@ -68,10 +68,10 @@ class _Work:
                 self._done += len(samples)
                 self._progress(self._done, self.count)
 
-    def spend(self, evaluations: int) -> None:
-        """Note evaluations of the right-hand side."""
+    def spend(self, tallies: Tallies) -> None:
+        """Note what samples took."""
         with self._lock:
-            self.evaluations += evaluations
+            self.tallies = self.tallies.plus(tallies)
 
 
 def run(
@@ -97,27 +97,27 @@ def run(
             except BaseException:
                 work.broken = True  # the others stop too
                 raise
-    return work.outcome._replace(evaluations=work.evaluations)
+    return work.outcome._replace(tallies=work.tallies)
 
 
 def _integrate(program: Program, work: _Work, width: int, stock_size: int, looks: int) -> None:
     """Take samples until there are none left."""
     batch, stock, shelf = Batch(program, width, looks), Stock(program, stock_size), _Shelf()
-    evaluations = 0
+    tallies = Tallies()
     with np.errstate(all="ignore"):
         while not work.broken:
             idle = np.flatnonzero(batch.sample < 0)
             if len(idle):
-                evaluations += _fill(batch, idle, stock, shelf, work)
+                tallies = tallies.plus(Tallies(_fill(batch, idle, stock, shelf, work)))
                 if (batch.sample < 0).all():
                     break
             through = batch.step()
             if len(through):
                 status, steps, values, spent = batch.ended(through)
-                evaluations += spent
+                tallies = tallies.plus(spent)
                 work.finish(batch.sample[through], status, steps, values[:, status == Status.DONE])
                 batch.sample[through] = -1
-    work.spend(evaluations)
+    work.spend(tallies)
 
 
 class _Shelf:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.equations import compliant, motion
+from rattle.equations.dry_friction import REST
 from rattle.equations.state import IMPULSE, LOSS, STORED, WORK, account_at, energies_at
 from rattle.equations.system import System
 from rattle.errors import TraceError
@@ -103,7 +104,9 @@ class RecordedContacts:
                     raise TraceError(f"contacts with {words} (joint {joint}) cannot be straight-line code")
             torque = values[places[n] + at.MOST_TORQUE] if self.table[n, at.LEVEL] and self.rigid[n] else 0.0
             if self.table[n, at.LEVEL] and not (lanes and not isinstance(torque, Recorded) and torque == math.inf):
-                raise TraceError(f"a clutch (joint {joint}) cannot be straight-line code, but an ideal one side by side")
+                raise TraceError(
+                    f"a clutch (joint {joint}) cannot be straight-line code, but an ideal one side by side"
+                )
         self.shut = [graph.input() for _ in self.joints]
         self.speed = [graph.input() for _ in self.joints]
         self.is_shut = [shut > 0.5 for shut in self.shut]
@@ -129,7 +132,10 @@ class RecordedContacts:
         self._copies = copies
         together = [np.flatnonzero(self.rigid).tolist()] if self.lanes else [[n] for n in np.flatnonzero(self.lasts)]
         self._rigid = [
-            RigidContacts(self.graph, copies, self.table, numbers, self.shut, self.speed, self.is_shut, not all(self.lasts[numbers]))
+            RigidContacts(
+                self.graph, copies, self.table, numbers, self.shut, self.speed, self.is_shut,
+                not all(self.lasts[numbers]),
+            )
             for numbers in together if numbers
         ]  # fmt: skip
         copies.replace(compliant.measure.python, self._said(copies.of(compliant.measure.python), "the shape"))
@@ -179,8 +185,8 @@ class RecordedContacts:
             contacts.hold(m)
 
     def struck(self, m: SimpleNamespace, y: np.ndarray) -> Struck:
-        """What becomes of the state y (ny,) at the end of a step: what contacts without force have stored is lost, rigid
-        ones hit, or their modes are looked for."""
+        """What becomes of the state y (ny,) at the end of a step: what contacts without force have stored is lost,
+        rigid ones hit, or their modes are looked for."""
         if self._rigid and m.massless.shape[0]:
             raise TraceError("impacts beside bodies without mass cannot be straight-line code")
         state = y.copy()
@@ -204,7 +210,7 @@ class RecordedContacts:
 
     def calm(self, m: SimpleNamespace, n: int, rate: Operand) -> Operand:
         """A rate of contact n, 0 where it may be rounding."""
-        return select(abs(rate) <= self._copies.of(rate_rounding.python)(m, n), 0.0, rate)
+        return select(abs(rate) <= REST + self._copies.of(rate_rounding.python)(m, n), 0.0, rate)
 
     def friction(self, m: SimpleNamespace, n: int) -> Operand:
         """mu of a rigid contact."""

@@ -1,7 +1,7 @@
 """Rigid contacts of a recorded model: their forces while they are shut, their impulses, and how they go on after.
 
-A few of them, see SLOTS, take part at one instant: those that are shut or hit.  With f = (N, T) of each of these, N away
-from its wall and T along the slip of B, rates and accelerations of their gaps and slips are
+A few of them, see SLOTS, take part at one instant: those that are shut or hit.  With f = (N, T) of each of these, N
+away from its wall and T along the slip of B, rates and accelerations of their gaps and slips are
 
     a = G f + b,        G = W M^-1 W^T with all joints and drivers kept
 
@@ -77,7 +77,7 @@ class RigidContacts:
         self, graph: Graph, copies: Copies, table: np.ndarray, numbers: Sequence[int], shut: Sequence[Operand],
         slide: Sequence[Operand], is_shut: Sequence[Flag], rough: bool,
     ) -> None:  # fmt: skip
-        """numbers: which contacts of the table; shut, slide, is_shut: of all contacts; rough: some may have friction."""
+        """numbers: which contacts of the table; shut, slide, is_shut: of all; rough: some may have friction."""
         self.graph, self._copies, self.table, self.numbers = graph, copies, table, list(numbers)
         self.state, self.slide, self.rough = shut, slide, rough
         self.shut = {n: is_shut[n] for n in self.numbers}
@@ -122,9 +122,7 @@ class RigidContacts:
     def _unit(self, m: SimpleNamespace, n: int, normal: float, tangent: float) -> np.ndarray:
         impulse = np.zeros(m.force.shape, dtype=object)
         a, b = m.contact[n, at.A_BODY], m.contact[n, at.B_BODY]
-        self._copies.of(compliant.add_contact_force.python)(
-            impulse, m.contact_kinematics, a, b, n, normal, tangent
-        )
+        self._copies.of(compliant.add_contact_force.python)(impulse, m.contact_kinematics, a, b, n, normal, tangent)
         impulse[0] = 0.0
         return impulse
 
@@ -156,7 +154,9 @@ class RigidContacts:
         """Add the forces of contacts that are shut to the accelerations, with N, T and what they lose."""
         slots, _ = self._slots(m, self.shut)
         normal, tangent = self.bends(m)
-        forces = self._in_modes(m, slots, [(slot.of(normal), slot.of(tangent) if self.rough else 0.0) for slot in slots])
+        forces = self._in_modes(
+            m, slots, [(slot.of(normal), slot.of(tangent) if self.rough else 0.0) for slot in slots]
+        )
         for target, what in ((m.acceleration, "away"), (m.multiplier, "reaction")):
             before = target.copy()
             self._add(target, slots, forces, what)
@@ -200,9 +200,7 @@ class RigidContacts:
         f = _solved(rows)
         return [f[w * k : w * k + w] for k in range(len(slots))]
 
-    def _add(
-        self, target: np.ndarray, slots: list[_Slot], f: Sequence[Sequence[Operand]], what: str
-    ) -> None:
+    def _add(self, target: np.ndarray, slots: list[_Slot], f: Sequence[Sequence[Operand]], what: str) -> None:
         for slot, forces in zip(slots, f, strict=True):
             for response, force in zip(getattr(slot, what), forces, strict=True):
                 for place in np.ndindex(target.shape):
@@ -289,9 +287,7 @@ class RigidContacts:
             size = _sum(abs(x) + abs(y) for x, y in zip(does, gains, strict=True))
             double = double | (fits & found & (off > ALIKE * size))
             first = fits & apply("not", found)
-            best = [
-                [select(first, a, b) for a, b in zip(x, y, strict=True)] for x, y in zip(f, best, strict=True)
-            ]
+            best = [[select(first, a, b) for a, b in zip(x, y, strict=True)] for x, y in zip(f, best, strict=True)]
             gains = [select(first, a, b) for a, b in zip(does, gains, strict=True)]
             modes = [select(first, float(mode), x) for mode, x in zip(combination, modes, strict=True)]
             found = found | fits
@@ -398,13 +394,10 @@ class RigidContacts:
     def _put_back(self, slots: list[_Slot], gaps: list[Operand]) -> list[list[Operand]]:
         """What moves the contacts that take part onto their walls."""
         g, w = self._matrix(slots), self.width
-        rows = [
-            [
-                *(select(slot.taken & slots[j].taken, g[w * k][w * j], 1.0 if j == k else 0.0) for j in range(len(slots))),
-                select(slot.taken, -gaps[k], 0.0),
-            ]
-            for k, slot in enumerate(slots)
-        ]  # fmt: skip
+        rows = []
+        for k, slot in enumerate(slots):
+            row = [select(slot.taken & other.taken, g[w * k][w * j], float(j == k)) for j, other in enumerate(slots)]
+            rows.append([*row, select(slot.taken, -gaps[k], 0.0)])
         return [[x, *[0.0] * (w - 1)] for x in _solved(rows)]
 
 

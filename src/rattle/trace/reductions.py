@@ -397,8 +397,14 @@ class Ledger:
         highest = Screened if self.watched else Highest
         values = [
             _value(
-                reduction.kind, reduction.curve, self._instant(reduction), rows, self.stops[-1], highest,
-                reduction.contacts, reduction.number,
+                reduction.kind,
+                reduction.curve,
+                self._instant(reduction),
+                rows,
+                self.stops[-1],
+                highest,
+                reduction.contacts,
+                reduction.number,
             )
             for reduction in self.reductions
         ]

@@ -162,7 +162,16 @@ def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, st
     size = [ny + 1, ny + 1, len(curves) + 1, len(met.ends), len(met.midway), len(met.levers), len(met.struck)]
     exact, every = lower(
         graph,
-        [*model.derivative, *model.projection, *curves, model.sound_curves, *met.ends, *met.midway, *met.levers, *met.struck],
+        [
+            *model.derivative,
+            *model.projection,
+            *curves,
+            model.sound_curves,
+            *met.ends,
+            *met.midway,
+            *met.levers,
+            *met.struck,
+        ],
     )
     rates, closed, rows, ends, midway, levers, struck = (every[sum(size[:n]) : sum(size[: n + 1])] for n in range(7))
     there = replaced(exact, [*rates, *rows, *ends], dict(zip(exact.inputs[1:], closed[:-1], strict=False)))

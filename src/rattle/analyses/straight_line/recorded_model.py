@@ -229,7 +229,8 @@ def _reserve(met: RecordedContacts, m: SimpleNamespace, n: int) -> Operand:
     if met.lasts[n]:
         return 1.0
     sticks = abs(met.speed[n]) < 0.5
-    return select(sticks, met.friction(m, n) * row[at.NORMAL] - abs(row[at.TANGENT]), met.speed[n] * row[at.SLIP])
+    slips = met.speed[n] * met.calm(m, n, row[at.SLIP])  # 0 of one that others hold, though it bears all that it can
+    return select(sticks, met.friction(m, n) * row[at.NORMAL] - abs(row[at.TANGENT]), slips)
 
 
 def record_curves(recording: Recording, t: Operand, y: np.ndarray) -> tuple[dict[str, Operand], dict[str, str], Flag]:

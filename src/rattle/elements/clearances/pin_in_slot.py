@@ -25,7 +25,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from rattle.elements.disc_contact import write_disc
-from rattle.elements.geneva import AT_END, AT_START, BOTH, open_at
+from rattle.elements.geneva import AT_END, AT_START, open_at
 from rattle.interfaces.contacts import ClearanceKind, FreePlay
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
@@ -47,7 +47,7 @@ def nearest(x, y, half, opens, width, radius):
     closed = opens == 0.0
     # 1 outside of the slot, and 1 at the corner of an open end
     beside = 0.0 if closed else select(abs(y) > width, 1.0, 0.0)
-    at_end, at_start = float(opens == BOTH or opens == AT_END), float(opens == BOTH or opens == AT_START)
+    at_end, at_start = float(opens != AT_START and not closed), float(opens != AT_END and not closed)
     corner = select(x > 0.0, at_end, at_start)
     fx, fy = x - end * half, y - corner * side * width
     far = math.sqrt(fx * fx + fy * fy)
@@ -58,8 +58,11 @@ def nearest(x, y, half, opens, width, radius):
     wall = select(beside > 0.0, -side, side), select(beside > 0.0, abs(y) - width - radius, inside)
     arc = select(around > 0.0, far - (1.0 - corner) * width - radius, width - radius - far)
     return (
-        select(on_wall, 0.0, out * fx * inv), select(on_wall, wall[0], out * fy * inv), select(on_wall, wall[1], arc),
-        select(on_wall, 0.0, out * inv), select(on_wall, 0.0, 1.0 - around),
+        select(on_wall, 0.0, out * fx * inv),
+        select(on_wall, wall[0], out * fy * inv),
+        select(on_wall, wall[1], arc),
+        select(on_wall, 0.0, out * inv),
+        select(on_wall, 0.0, 1.0 - around),
     )
 
 

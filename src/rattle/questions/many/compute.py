@@ -37,7 +37,8 @@ class Many:
     values: np.ndarray  # (outputs, n)
     messages: dict[int, str]  # of the samples that failed: no run, or an output without a finite value
     generic: np.ndarray  # numbers of the samples that the generic kernels ran
-    stats: dict[str, Any]
+    stats: dict[str, Any]  # "how" they ran, in words; "reasons" why not side by side; of those that did "steps",
+    # "evaluations" of the right-hand side, "tries" of steps, and of contacts "doubts", "landings" and "turns"
 
     def __getitem__(self, output: str) -> np.ndarray:
         if output not in self.outputs:
@@ -135,7 +136,7 @@ def _result(task: Task, samples: dict[str, np.ndarray], why: str, batch: Batch) 
     }
     because = "; ".join(reason for reason in dict.fromkeys([why, *counted]) if reason) if len(generic) else ""
     stats: dict[str, Any] = {
-        "steps": batch.steps, "evaluations": batch.evaluations, "reasons": counted,
+        "steps": batch.steps, **batch.tallies._asdict(), "reasons": counted,
         "how": ", ".join(part for part in parts if part) + (f": {because}" if because else ""),
     }  # fmt: skip
     units = {output.text: output.unit for output in task.outputs}

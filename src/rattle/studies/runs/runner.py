@@ -19,6 +19,7 @@ from rattle.results.reductions import MAY_LACK
 from rattle.studies.runs.reasons import alike
 from rattle.studies.runs.side_by_side import SideBySide
 from rattle.studies.runs.task import Sample, Task
+from rattle.trace.lane_batch import Tallies
 
 log = logging.getLogger("rattle")
 
@@ -37,7 +38,7 @@ class Batch:
     generic: list[int] = field(default_factory=list)  # places of samples that ran one by one
     reasons: dict[str, int] = field(default_factory=dict)  # why those could not run side by side, and how many
     steps: int = 0
-    evaluations: int = 0
+    tallies: Tallies = field(default_factory=Tallies)  # of those that ran side by side
 
 
 class Runner:
@@ -73,7 +74,7 @@ class Runner:
             together = self._together.run(values, min(threads, count), progress)
             batch.values, batch.messages = together.values, together.messages
             waiting = np.setdiff1d(np.flatnonzero(together.open), list(together.messages))
-            batch.reasons, batch.steps, batch.evaluations = together.reasons, together.steps, together.evaluations
+            batch.reasons, batch.steps, batch.tallies = together.reasons, together.steps, together.tallies
         batch.generic = waiting.tolist()
         with _told_once():
             for done, (n, outcome) in enumerate(_one_by_one(self.task, values, batch.generic, threads), 1):

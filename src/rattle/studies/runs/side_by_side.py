@@ -29,6 +29,7 @@ from rattle.studies.runs.task import Task
 from rattle.trace import lane_methods, lanes
 from rattle.trace.copying import bind
 from rattle.trace.elementary import lower
+from rattle.trace.lane_batch import Tallies
 from rattle.trace.lane_control import Status
 from rattle.trace.lane_program import MOST_STEPS, Program
 from rattle.trace.reductions import EXTREMES
@@ -46,7 +47,7 @@ class Together(NamedTuple):
     messages: dict[int, str]  # of those among them that no other program need try, by their place
     reasons: dict[str, int]  # why not the others, and how many
     steps: int
-    evaluations: int
+    tallies: Tallies
 
 
 class SideBySide:
@@ -89,7 +90,7 @@ class SideBySide:
             reasons["beyond the limits of a parameter"] = count
         outputs = np.where(failed | beyond, np.nan, np.array(computed))
         messages = dict.fromkeys(np.flatnonzero(endless & ~beyond).tolist(), given_up(most or 0))
-        return Together(outputs, failed | beyond, messages, reasons, int(outcome.steps.sum()), outcome.evaluations)
+        return Together(outputs, failed | beyond, messages, reasons, int(outcome.steps.sum()), outcome.tallies)
 
     def _beyond(self, values: np.ndarray, dependent: Mapping[str, np.ndarray]) -> np.ndarray:
         """(n,) samples with a parameter beyond its limits, which the reader of the model refuses."""

@@ -1,0 +1,278 @@
+"""Contacts side by side: closed forms, single runs of the same samples, the same bits in any company."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from balls import G, ball
+from rattle.studies.runs.task import task_of
+
+FINE = {"rtol": 1e-11, "atol": 1e-14}
+PRESSED = 'stiffness = 2e9, exponent = 1.5, restitution = "e", bush_radius = 0.01'
+RUBS = 'friction = { model = "ambrosio", mu = "mu", v0 = 0.01, v1 = 0.1 }'
+RIGID = '{ model = "impact", restitution = "e", friction = "mu", bush_radius = 0.01 }'
+
+
+def slider_crank(contact, more=""):
+    return f"""
+format = 1
+parameters = {{ c = 5e-4, e = 0.5, mu = 0.1, omega = 523.6, l = 0.12 }}
+ground.points.O = [0, 0]
+[bodies.crank]
+points = {{ O = [0, 0], A = [0.05, 0] }}
+mass = 0.3
+inertia = 1e-4
+[bodies.rod]
+bar = ["A", "B"]
+length = "l"
+mass = 0.21
+inertia = 2.5e-4
+[bodies.slider]
+points = {{ B = [0, 0] }}
+mass = 0.14
+inertia = 1e-4
+[joints]
+O = {{ type = "revolute", connect = ["ground.O", "crank.O"] }}
+A = {{ type = "revolute", connect = ["crank.A", "rod.A"] }}
+B = {{ type = "revolute", connect = ["slider.B", "rod.B"], clearance = "c", contact = {contact} }}
+guide = {{ type = "prismatic", connect = ["ground.O", "slider.B"], axis = 0 }}
+[drivers.motor]
+joint = "O"
+angle = "omega*t"
+{more}
+[initial]
+rod = {{ angle = 0 }}
+slider = {{ x = "0.05 + l" }}
+B = {{ offset = [0, 0] }}
+"""
+
+
+def block(more="", vx='"v"'):
+    """A block on a floor that slides and may turn."""
+    return f"""
+format = 1
+gravity = [0, -9.81]
+parameters = {{ mu = 0.3, v = 1.0, F = 0.0 }}
+ground.points.O = [0, 0]
+[bodies.block]
+points = {{ C = [0, 0], P = [-0.2, -0.1], Q = [0.2, -0.1] }}
+mass = 2
+inertia = 0.03
+[joints.floor]
+type = "surface"
+connect = ["ground.O", "block.C"]
+axis = 0
+corners = ["P", "Q"]
+contact = {{ model = "impact", restitution = 0, friction = "mu" }}
+[initial]
+block = {{ x = 0, y = 0.1, angle = 0, vx = {vx}, vy = 0, omega = 0 }}
+{more}
+"""
+
+
+def alone(m, samples, outputs, t_end, **options):
+    """Outputs (outputs, n) of samples that run one by one."""
+    task = task_of(m, list(samples), outputs, t_end=t_end, **options)
+    return np.array(
+        [task.run([values[i] for values in samples.values()]).outputs for i in range(len(next(iter(samples.values()))))]
+    ).T
+
+
+def side_by_side(m, samples, outputs, t_end, **options):
+    """The answer, none of whose samples ran one by one; its values (outputs, n)."""
+    found = m.many(samples, t_end=t_end, outputs=outputs, **options)
+    assert not len(found.generic), found.stats["how"]
+    return found, np.array([found[output] for output in outputs])
+
+
+def assert_alike(m, samples, outputs, t_end, rel=1e-6, abs=1e-11, **options):
+    options = options or FINE
+    _, together = side_by_side(m, samples, outputs, t_end, **options)
+    single = alone(m, samples, outputs, t_end, **options)
+    for output, got, want in zip(outputs, together, single, strict=True):
+        assert got == pytest.approx(want, rel=rel, abs=abs, nan_ok=True), output
+
+
+# ---------------------------------------------------------------- closed forms
+def test_a_ball_bounces_to_rest_with_all_its_bounces():
+    """t_k = t_1 (1 + 2 sum e^j); rest at t_1 (1 + e)/(1 - e), all energy is lost."""
+    e, h = np.array([0.8, 0.6, 0.3, 0.0]), np.array([1.0, 0.5, 2.0, 1.0])
+    outputs = [
+        "time(rail.contacts, 3)",
+        "speed(rail.contacts, 3)",
+        "final(ball.y)",
+        "final(energy.dissipated)",
+        "final(rail.stop)",
+        "count(rail.contacts)",
+    ]
+    found, (t, v, y, lost, force, count) = side_by_side(rt.loads(ball()), {"e": e, "h": h}, outputs, 9.0, **FINE)
+    first = np.sqrt(2 * h / G)
+    bounces = e > 0
+    assert t[bounces] == pytest.approx((first * (1 + 2 * e + 2 * e**2))[bounces], abs=1e-11)
+    assert v[bounces] == pytest.approx((G * first * e**2)[bounces], rel=1e-10)
+    assert math.isnan(t[3])
+    assert y == pytest.approx(0, abs=1e-12)
+    assert lost == pytest.approx(G * h, rel=1e-10)
+    assert force == pytest.approx(G, rel=1e-12)
+    assert count[3] == 1
+    assert count[0] > 50
+    assert found.stats["turns"] == count.sum()
+    assert found.stats["tries"] > found.stats["landings"] > 0
+
+
+def test_a_ball_on_a_linear_stop_has_its_period_and_largest_force():
+    k = np.array([1e4, 1e5, 1e6])
+    m = rt.loads(ball('{ model = "hertz", stiffness = "k", exponent = 1 }'))
+    outputs = [
+        "time(rail.contacts, 3)",
+        "peak(rail.contacts, 2)",
+        "max(rail.stop)",
+        "share(ball.y < 0)",
+        "integral(rail.stop)",
+    ]
+    _, (t, peak, most, share, impulse) = side_by_side(m, {"k": k}, outputs, 2.5, **FINE)
+    v, w = math.sqrt(2 * G), np.sqrt(k)
+    lasts = 2 / w * (math.pi - np.arctan(v * w / G))
+    assert t == pytest.approx(v / G + 2 * (lasts + 2 * v / G), abs=1e-10)
+    want = G + np.sqrt(G * G + k * v * v)
+    assert peak == pytest.approx(want, rel=1e-7)
+    assert most == pytest.approx(want, rel=1e-6)
+    whole = np.floor((2.5 - v / G) / (lasts + 2 * v / G)) + 1  # contacts that have ended
+    assert share == pytest.approx(whole * lasts / 2.5, rel=1e-8)
+    assert impulse == pytest.approx(whole * (2 * v + G * lasts), rel=1e-7)
+
+
+def test_a_block_slides_to_rest_and_sticks():
+    mu, v = np.array([0.3, 0.1, 0.5]), np.array([1.0, 0.5, 2.0])
+    outputs = [
+        "final(block.x)",
+        "final(block.vx)",
+        "final(energy.dissipated)",
+        "at(block.x, 0.1)",
+        "final(floor.normal)",
+    ]
+    _, (x, rest, lost, early, force) = side_by_side(rt.loads(block()), {"mu": mu, "v": v}, outputs, 1.0, **FINE)
+    assert x == pytest.approx(v**2 / (2 * mu * G), rel=1e-9)
+    assert rest == pytest.approx(0, abs=1e-12)
+    assert lost == pytest.approx(v**2, rel=1e-9)  # of 2 kg
+    assert early == pytest.approx(0.1 * v - 0.005 * mu * G, rel=1e-9)
+    assert force == pytest.approx(2 * G, rel=1e-9)
+
+
+def test_a_block_that_is_pushed_begins_to_slide_at_its_limit():
+    """F = 10 t N against mu m g: it slides from t_0 = mu m g/10 on."""
+    push = '[loads.push]\ntype = "force"\nat = "block.C"\nforce = ["10*t + F", 0]\n'
+    mu = np.array([0.2, 0.3, 0.4])
+    m = rt.loads(block(more=push, vx=0))
+    outputs = ["final(block.vx)", "first(block.vx > 1e-9)"]
+    _, (v, begins) = side_by_side(m, {"mu": mu}, outputs, 1.0, **FINE)
+    start = mu * 2 * G / 10
+    assert v == pytest.approx(5 / 2 * (1 - start) ** 2, rel=1e-8)
+    assert begins == pytest.approx(start, abs=1e-4)
+
+
+def test_a_rotor_between_stops_and_contacts_that_do_not_come():
+    text = """
+format = 1
+parameters = { e = 0.5, w = 2.0 }
+ground.points.O = [0, 0]
+bodies.rotor = { points = { C = [0, 0] }, mass = 1, inertia = 0.02 }
+initial.rotor = { angle = 0.4, omega = "w" }
+[joints.pivot]
+type = "revolute"
+connect = ["ground.O", "rotor.C"]
+stop = { min = "0 rad", max = "1 rad", contact = { model = "impact", restitution = "e" } }
+"""
+    e, w = np.array([0.5, 0.8, 1.0, 0.5]), np.array([2.0, -3.0, 5.0, 0.1])
+    outputs = [f"{what}(pivot.contacts, {k})" for what in ("time", "speed") for k in (1, 2, 3)]
+    found, values = side_by_side(rt.loads(text), {"e": e, "w": w}, outputs, 2.5, **FINE)
+    first = np.where(w > 0, 0.6, 0.4) / np.abs(w)
+    want = np.array([first, first + 1 / (np.abs(w) * e), first + 1 / (np.abs(w) * e) + 1 / (np.abs(w) * e**2)])
+    assert values[:3] == pytest.approx(np.where(want < 2.5, want, np.nan), abs=1e-10, nan_ok=True)
+    assert not found.messages
+    assert np.isnan(values[:, 3]).all()
+
+
+# ---------------------------------------------------------------- as runs alone
+LAWS = {
+    "lankarani": (f'{{ model = "lankarani-nikravesh", {PRESSED} }}', 1.3e-3),
+    "kelvin-voigt": (f'{{ model = "kelvin-voigt", {PRESSED} }}', 1e-3),
+    "rubs": (f'{{ model = "hunt-crossley", {PRESSED}, {RUBS} }}', 1.2e-3),
+    "ends by its force": (
+        '{ model = "hertz", stiffness = 2e7, exponent = 1, damping = 60, bush_radius = 0.01 }',
+        1.3e-3,
+    ),
+    "rigid": ('{ model = "impact", restitution = "e", bush_radius = 0.01 }', 1.2e-3),
+    "rigid, rubs": (RIGID, 1.2e-3),
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_samples_are_what_they_are_alone(law):
+    contact, t_end = LAWS[law]
+    rigid = "impact" in contact
+    outputs = [
+        "time(B.contacts, 1)", "time(B.contacts, 2)", "speed(B.contacts, 2)", "count(B.contacts)", "final(slider.x)",
+        "at(rod.angle, 0.0007)", "final(energy.dissipated)", *([] if rigid else ["peak(B.contacts, 1)"]),
+    ]  # fmt: skip
+    samples = {"c": np.array([4.7e-4, 5e-4, 5.3e-4]), "l": np.array([0.12, 0.121, 0.119])}
+    if '"e"' in contact and law != "kelvin-voigt":  # whose law does not follow from it in operations that are recorded
+        samples["e"] = np.array([0.5, 0.4, 0.6])
+    assert_alike(rt.loads(slider_crank(contact)), samples, outputs, t_end, rel=3e-6, abs=1e-9)
+
+
+LOST = "final(energy.dissipated)"
+
+
+@pytest.mark.parametrize(
+    ("example", "name", "t_end", "outputs"),
+    [
+        ("fourbar_onesided", "M", 0.3, ["count(O3.contacts)", "max(O3.normal)", "final(rocker.angle)", LOST]),
+        ("guide_play", "mu", 0.05, ["count(guide.contacts)", "time(guide.contacts, 5)", "final(crank.angle)", LOST]),
+        ("scotch_yoke", "omega", 0.1, ["count(slot.contacts)", "time(slot.contacts, 2)", "max(slot.normal)", LOST]),
+        ("rimless_wheel", "a", 0.5, ["count(road.contacts)", "final(wheel.angle)", "max(road.normal)", LOST]),
+        ("drawer", "width", 0.2, ["count(guide.contacts)", "final(drawer.x)", "max(guide.normal)"]),
+        ("gear_rattle", "alpha", 0.02, ["count(mesh.contacts)", "time(mesh.contacts, 2)", "final(idle.angle)"]),
+    ],
+)
+def test_examples_are_what_they_are_alone(example, name, t_end, outputs):
+    m = rt.load(rt.examples()[example])
+    value = m.parameters[name]
+    assert_alike(m, {name: value * np.array([0.995, 1.0])}, outputs, t_end, rel=2e-6, abs=1e-9, rtol=1e-10)
+
+
+def test_a_start_in_touch_counts_from_what_holds_there():
+    """Its accelerations are not those of a free fall; a start that is pressed in runs alone."""
+    m = rt.loads(block())
+    assert_alike(m, {"v": np.array([0.0, 0.3])}, ["max(abs(block.ay))", "max(floor.normal)", "min(floor.normal)"], 0.01)
+    sunk = rt.loads(ball('{ model = "hertz", stiffness = "k", exponent = 1 }', h=-1e-4))
+    found = sunk.many({"k": [1e5]}, t_end=0.1, outputs=["final(ball.y)"])
+    assert "touches at its start" in found.stats["how"]
+    assert not found.messages
+
+
+@pytest.mark.parametrize("contact", [f'{{ model = "lankarani-nikravesh", {PRESSED} }}', RIGID])
+def test_a_sample_has_the_same_bits_in_any_company(contact):
+    m, random = rt.loads(slider_crank(contact)), np.random.default_rng(1)
+    c = random.uniform(2e-4, 9e-4, 40)
+    outputs = ["final(slider.x)", "max(abs(slider.vx))", "time(B.contacts, 2)", "count(B.contacts)"]
+
+    def run(which, threads):
+        return side_by_side(m, {"c": c[which]}, outputs, 2e-3, rtol=1e-9, threads=threads)[1]
+
+    every, mixed = np.arange(40), random.permutation(40)
+    whole = run(every, 2)
+    for which, threads in ((every, 1), (mixed, 2), (every[11:12], 1), (every[20:33], 2)):
+        assert np.array_equal(whole[:, which], run(which, threads), equal_nan=True)
+
+
+# ---------------------------------------------------------------- what is not followed
+def test_what_runs_one_by_one_is_said():
+    jammed = rt.loads(ball('{ model = "impact", restitution = "e" }'))
+    found = jammed.many({"e": [0.5]}, t_end=1.0, outputs=["max(rail.impulse)"])
+    assert "events that only single runs tell" in found.stats["how"]
+    equal = jammed.many({"e": [0.5]}, t_end=1.0, outputs=["final(ball.y)"], method="rk4", step=1e-3)
+    assert "steps of equal length do not end at contacts (joint rail)" in equal.stats["how"]
+    assert not equal.messages
