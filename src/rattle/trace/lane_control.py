@@ -20,6 +20,7 @@ VERDICT = ("ahead", "accepted")  # see `judge`
 FLAGS = ("curves sound", "curves finite", "kept", "sound", "finite")  # see `curve_checks`, `checks`
 CONTROL = ("running", "status", "number", "steps", "tries", *PLAN)  # of a lane; number: of the next stop
 RUNNING, STATUS, NUMBER, STEPS, TRIES = range(5)
+SHORTENED = 1e-9  # share of a run: a shorter try whose stages fail beside a contact fails by itself
 GOING_ON = -1.0  # status of a lane that is running
 
 
@@ -94,6 +95,7 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
     running, accepted, short, last = (flag(graph, x) for x in (running, flags[0], short, last))
     fits, still = accepted, flag(graph, control[-2])
     curves_sound, curves_finite, kept, sound, finite = (flag(graph, x) for x in flags[1:])
+    shortened = still | (h <= SHORTENED * stops.instants[-1])
     meeting = None if meets is None else Meeting(meets, touch, ends, met, struck)
     if meeting is not None:
         fits = fits & kept  # stages of a try that goes far beyond a contact say nothing
@@ -113,7 +115,7 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         (tries >= float(most_steps), Status.TOO_MANY_STEPS), (accepted & apply("not", accounted), Status.ENERGY),
         (accepted & apply("not", sound & curves_sound), Status.ASSUMPTION),
         (accepted & apply("not", finite & curves_finite), Status.NOT_FINITE),
-        (apply("not", kept) & (still if meeting is not None else True), Status.ASSUMPTION),
+        (apply("not", kept) & (True if meeting is None else shortened), Status.ASSUMPTION),
         (short, Status.STEP_TOO_SMALL),
     ):  # fmt: skip
         reached = select(fails, float(why), reached)

@@ -40,8 +40,10 @@ CONSTANT = frozenset(("mass", "weight", "gravity", "lever", "const"))  # float a
 class Recorder:
     """Runs functions of the compiled layer on symbols of one graph; the journal of numbers that are recorded."""
 
-    def __init__(self, graph: Graph, usual: bool = True) -> None:
-        self.graph, self.usual = graph, usual  # usual: whether conditions that usually hold are taken for true
+    def __init__(self, graph: Graph, beside: float = 0.0) -> None:
+        """beside: conditions x > a that usually hold are taken for true; if not 0 for false, and x > beside a has to
+        be."""
+        self.graph, self.beside = graph, beside
         self.guards: list[Flag] = []
         self.assumed: dict[int, Flag] = {}  # by place: what reading the model has found true of its parameters
         own = {choices.assume.python: self._assume, choices.usually.python: self._usually}
@@ -90,7 +92,12 @@ class Recorder:
         return condition
 
     def _usually(self, condition: Flag) -> Flag:
-        return self._assume(condition) if self.usual or not isinstance(condition, Symbol) else False
+        if not self.beside or not isinstance(condition, Symbol):
+            return self._assume(condition)
+        assert condition.op == "less", "a condition x > a"
+        least, x = self.graph.operands[condition.place]
+        self._assume(Symbol(self.graph, x) > self.beside * self.graph.numbers[least])
+        return False
 
     def recorded(self, function: Plain) -> Plain:
         """A copy of a plain Python function of the compiled layer that takes symbols."""

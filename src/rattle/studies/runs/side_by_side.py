@@ -7,6 +7,7 @@ ends on the constraints, those of the drivers among them.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -36,6 +37,7 @@ from rattle.trace.reductions import EXTREMES
 
 MOST_OPERATIONS = 20_000  # of right-hand side, projection and curves; beyond, machine code is slow to make
 DRIVEN = ("kinematics", "inverse-dynamics")  # a motion that drivers determine: its integral is put on the constraints
+BESIDE = 0.1  # share of what a pivot usually is at least that it may be, with equations solved more exactly
 SHORT = 2000  # steps of a run where long ones would miss something
 
 
@@ -58,10 +60,9 @@ class SideBySide:
 
     def __init__(self, task: Task) -> None:
         self.task = task
-        method = usual_stepper(FREE) if task.analysis in DRIVEN or task.how.method is None else task.how.method
-        _require_lanes(task, method)
-        touches = len(task.mechanism.system.arrays["contact"]) > 0
-        self.model = task.mechanism.recorded(list(task.names), contacts=touches)
+        self._method = usual_stepper(FREE) if task.analysis in DRIVEN or task.how.method is None else task.how.method
+        _require_lanes(task, self._method)
+        self.model = self._recorded(0.0)
         follow = {*task.names, *self.model.dependent}
         if why := next((why for output in task.outputs if (why := why_not_lanes(output, dict.fromkeys(follow)))), ""):
             raise TraceError(why)
@@ -71,11 +72,33 @@ class SideBySide:
                 f"its {size} operations are more than the {MOST_OPERATIONS} up to which straight-line code pays"
             )
         self.asked = Asked(self.model, task.outputs)
-        self.program = _program(self.model, self.asked, task, method)
+        self.program = _program(self.model, self.asked, task, self._method)
+
+    def _recorded(self, beside: float) -> RecordedModel:
+        touches = len(self.task.mechanism.system.arrays["contact"]) > 0
+        return self.task.mechanism.recorded(list(self.task.names), contacts=touches, beside=beside)
+
+    @cached_property
+    def _careful(self) -> Program | None:
+        """The program for samples that come nearer to singular positions, whose equations it solves more exactly."""
+        model = self._recorded(BESIDE)
+        asked = Asked(model, self.task.outputs)
+        same = asked.reductions == self.asked.reductions and asked.rows == self.asked.rows
+        return _program(model, asked, self.task, self._method) if same else None
+
+    def _outcome(self, values: np.ndarray, threads: int, progress: Callable[[int, int], None] | None) -> lanes.Outcome:
+        """Samples side by side; those that come next to a singular position again, by the careful program."""
+        outcome = lanes.run(self.program, values, threads=threads, progress=progress)
+        near = np.flatnonzero(outcome.status == Status.ASSUMPTION)
+        if not len(near) or self._careful is None:
+            return outcome
+        again = lanes.run(self._careful, values[:, near], threads=min(threads, len(near)))
+        outcome.values[:, near], outcome.status[near], outcome.steps[near] = again.values, again.status, again.steps
+        return outcome._replace(tallies=outcome.tallies.plus(again.tallies))
 
     def run(self, values: np.ndarray, threads: int = 1, progress: Callable[[int, int], None] | None = None) -> Together:
         """Samples with values (k, n) [SI] of the parameters that differ."""
-        outcome = lanes.run(self.program, values, threads=threads, progress=progress)
+        outcome = self._outcome(values, threads, progress)
         dependent = _dependent(self.model, self.task, values)
         beyond = self._beyond(values, dependent)
         rows = [[outcome.values[k] for k in places] for places in self.asked.rows]
