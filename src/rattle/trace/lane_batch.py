@@ -246,7 +246,7 @@ class Batch:
         """Which contacts are shut, and how fast they closed, becomes part of the state."""
         if (meets := self.program.model.meets) is None:
             return []
-        count, wide = 2 * meets.count, 1 + self.program.model.ny
+        count, wide = 2 * meets.n, 1 + self.program.model.ny
         pair = self._first("touch")[:count], self._first("state")[wide : wide + count]
         return [(self.program.copy, pair[0].reshape(1, -1), pair[1].reshape(1, -1))]
 
@@ -307,7 +307,9 @@ class Batch:
         tallies = Tallies(spent, int(tries.sum()))
         if program.model.meets is not None:
             touch = Touch(program.model.meets, list(self._lane("touch", lanes)))
-            tallies = Tallies(spent, tallies.tries, *(int(np.sum(touch.lane[name])) for name in COUNTED))
+            tallies = Tallies(
+                spent, tallies.tries, *(int(np.sum(np.asarray(touch.lane[name], dtype=float))) for name in COUNTED)
+            )
         return status, steps, values[:, :count], tallies
 
     def _cross(self) -> None:

@@ -26,7 +26,7 @@ from rattle.language.recorded import Flag, Operand
 from rattle.solvers.contacts import gap_search
 from rattle.solvers.contacts.contact_events import AFTER_CONTACT, FIRST_STEP
 from rattle.solvers.nonsmooth.impacts import LOW, LOW_OF_GAP, NOTICED
-from rattle.trace.graph import Symbol, apply, both, select
+from rattle.trace.graph import apply, both, select
 from rattle.trace.lane_chain import Function
 from rattle.trace.lane_methods import Method, Recorded, inputs, largest, least, root
 from rattle.trace.peak import peak
@@ -76,7 +76,7 @@ class Meets(NamedTuple):
     held: tuple[int, ...] = ()  # rigid contacts, and those that end where their force does
 
     @property
-    def count(self) -> int:
+    def n(self) -> int:
         """Number of contacts."""
         return len(self.table)
 
@@ -88,17 +88,17 @@ class Meets(NamedTuple):
     @property
     def touch_rows(self) -> int:
         """Rows that a lane keeps, see `Touch`."""
-        return 4 * self.count + 2 * len(self.peaks) + len(HELD_STARTS) * len(self.held) + len(LANE)
+        return 4 * self.n + 2 * len(self.peaks) + len(HELD_STARTS) * len(self.held) + len(LANE)
 
     @property
     def end_rows(self) -> int:
         """Rows that tell of the end of a step, see `Ends`."""
-        return 4 * self.count + 2 * len(self.peaks) + len(HELD_ENDS) * len(self.held)
+        return 4 * self.n + 2 * len(self.peaks) + len(HELD_ENDS) * len(self.held)
 
     @property
     def midway_rows(self) -> int:
         """Rows that tell of its middle."""
-        return 2 * self.count + len(self.peaks) + 2 * len(self.held)
+        return 2 * self.n + len(self.peaks) + 2 * len(self.held)
 
     @property
     def struck_rows(self) -> int:
@@ -108,7 +108,7 @@ class Meets(NamedTuple):
     @property
     def met_rows(self) -> int:
         """Rows that `meet` writes, see `Met`."""
-        return 4 + self.count + len(self.peaks) + 2 * len(self.held)
+        return 4 + self.n + len(self.peaks) + 2 * len(self.held)
 
 
 class Touch:
@@ -120,7 +120,7 @@ class Touch:
     """
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
-        n, p, r = meets.count, len(meets.peaks), len(meets.held)
+        n, p, r = meets.n, len(meets.peaks), len(meets.held)
         self.shut, self.speed, self.gap, self.rate, self.force, self.change, *held, lane = _parted(
             rows, [n, n, n, n, p, p, r, r, r, r, len(LANE)]
         )
@@ -139,7 +139,7 @@ class Ends:
     contact; forces and their rates, of those whose peaks are asked for; HELD_ENDS of those that forces hold."""
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
-        n, p, r = meets.count, len(meets.peaks), len(meets.held)
+        n, p, r = meets.n, len(meets.peaks), len(meets.held)
         self.gap, self.rate, self.across, self.lasting, self.force, self.change, *held = _parted(
             rows, [n, n, n, n, p, p, *[r] * len(HELD_ENDS)]
         )
@@ -153,7 +153,7 @@ class Met:
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
         r = len(meets.held)
-        first, self.near, self.peaks, self.spent, self.low = _parted(rows, [4, meets.count, len(meets.peaks), r, r])
+        first, self.near, self.peaks, self.spent, self.low = _parted(rows, [4, meets.n, len(meets.peaks), r, r])
         self.cut, self.ahead, self.hit, self.due = first
 
 
@@ -273,33 +273,40 @@ class Tile(NamedTuple):
     """Where groups of rows stand in a tile."""
 
     places: dict[str, slice]
-    count: int
+    size: int  # rows in all
 
 
 def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Recorded:
     """All rows of a tile: the rows of `Met`."""
-    graph, row = inputs(tile.count)
+    graph, row = inputs(tile.size)
     group = {name: row[place] for name, place in tile.places.items()}
     touch, ends, midway = Touch(meets, group["touch"]), Ends(meets, group["ends"]), group["midway"]
     h, still = group["planned"][0], group["control"][-2]
     reach = select(group["control"][-1] > 0.0, touch.lane["hit length"], 0.0)
     recorder = Recorder(graph)
     m = _step_arrays(tile, meets, method, ny, watched, row)
-    hit, doubt, short, theta, due = False, False, h, FAR, FAR
+    hit: Flag = False
+    doubt: Flag = False
+    short: Operand = h
+    theta: Operand = FAR
+    due: Operand = FAR
     near: list[Flag] = []
     spent: list[Flag] = []
     low: list[Operand] = []
-    for n in range(meets.count):
+    for n in range(meets.n):
         m.contact_kinematics[n, at.ACROSS] = ends.across[n]
         code = touch.shut[n]
-        shut, released = (code > 0.5) & (code < 1.5), False
+        shut: Flag = (code > 0.5) & (code < 1.5)
+        released: Flag = False
         if n in meets.held and n not in meets.rigid:
             released = code > 1.5
-        gap = _Gap(recorder, m, n, shut | released, h, *(x[n] for x in (touch.gap, touch.rate, ends.gap, ends.rate)),
-                   midway[n], midway[meets.count + n])  # fmt: skip
+        gap = _Gap(
+            recorder, m, n, shut | released, h, (touch.gap[n], touch.rate[n]), (ends.gap[n], ends.rate[n]),
+            (midway[n], midway[meets.n + n]),
+        )  # fmt: skip
         looks = [gap.looked_at(reach)]
         if n in meets.held:
-            k, first = meets.held.index(n), 2 * meets.count + len(meets.peaks)
+            k, first = meets.held.index(n), 2 * meets.n + len(meets.peaks)
             values = [
                 (touch.held[name][k], midway[first + place * len(meets.held) + k], ends.held[name][k],
                  touch.held[f"most {name}"][k])
@@ -323,7 +330,7 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
     )
     forces = [
         peak([
-            _Quartic(touch.force[k], h * touch.change[k], midway[2 * meets.count + k], ends.force[k],
+            _Quartic(touch.force[k], h * touch.change[k], midway[2 * meets.n + k], ends.force[k],
                      h * ends.change[k]).value(0.25 * part)
             for part in range(5)
         ])
@@ -352,8 +359,8 @@ _NOTHING = _Look(False, False, True, FAR, FAR, FAR)
 
 
 def _held_looks(
-    meets: Meets, n: int, gap: _Look, values: Sequence[tuple[Operand, ...]], h: Operand, reach: Operand, shut: Flag,
-    released: Flag,
+    meets: Meets, n: int, gap: _Look, values: Sequence[tuple[Operand, Operand, Operand, Operand]], h: Operand,
+    reach: Operand, shut: Flag, released: Flag,
 ) -> list[_Look]:  # fmt: skip
     """What a step shows of a contact that ends where its force does, and whether it slips or sticks no longer.
 
@@ -366,7 +373,7 @@ def _held_looks(
     if n in meets.rigid:
         return [*looks, reserve.instead_of(_NOTHING, shut)]
     start, middle, end, most = values[0]
-    again = _reserve_at(h, reach, *(-x for x in (start, middle, end)), most)
+    again = _reserve_at(h, reach, -start, -middle, -end, most)
     return [*looks, again.instead_of(_NOTHING, released)]
 
 
@@ -398,9 +405,11 @@ class _Gap:
     """
 
     def __init__(
-        self, recorder: Recorder, m: SimpleNamespace, n: int, shut: Flag, h: Operand, gap: Operand, rate: Operand,
-        end: Operand, end_rate: Operand, middle: Operand, middle_rate: Operand,
+        self, recorder: Recorder, m: SimpleNamespace, n: int, shut: Flag, h: Operand, start: tuple[Operand, Operand],
+        last: tuple[Operand, Operand], midway: tuple[Operand, Operand],
     ) -> None:  # fmt: skip
+        """start, last, midway: gap and its rate."""
+        (gap, rate), (end, end_rate) = start, last
         bounds, sweep, rounding = (
             recorder.recorded(f.python) for f in (gap_search.bounds, gap_search.sweep, gap_search.rounding)
         )
@@ -419,7 +428,7 @@ class _Gap:
             return side * g * (2.0 * radius + way * g), side * h * 2.0 * (radius + way * g) * change
 
         left, right = smooth(gap, rate), smooth(end, end_rate)
-        halfway, slope = smooth(middle, middle_rate)
+        halfway, slope = smooth(*midway)
         self.curve = _Quartic(left[0], left[1], halfway, right[0], right[1])
         self.size = 2.0 * radius if way else 1.0  # of the curve to the gap next to zero
         self.missed = abs(slope - self.curve.slope(0.5))
@@ -456,7 +465,7 @@ def _one(on: Flag) -> Operand:
 
 
 def _step_arrays(
-    tile: Tile, meets: Meets, method: Method, ny: int, watched: int, row: Sequence[Symbol]
+    tile: Tile, meets: Meets, method: Method, ny: int, watched: int, row: Sequence[Operand]
 ) -> SimpleNamespace:
     """What `gap_search` reads of a step."""
     size, blocks, state = ny + 2 + watched, row[tile.places["blocks"]], row[tile.places["state"]]
@@ -468,7 +477,7 @@ def _step_arrays(
         contact=meets.table, lever=np.array(levers, dtype=object), change=np.zeros(meets.nq), stepper=stepper,
         state=np.array(block[2], dtype=object), state_new=np.array(block[0], dtype=object),
         slopes=np.array(block[3:], dtype=object),
-        contact_kinematics=np.zeros((meets.count, at.width("contact_kinematics")), dtype=object),
+        contact_kinematics=np.zeros((meets.n, at.width("contact_kinematics")), dtype=object),
     )  # fmt: skip
 
 
@@ -601,7 +610,7 @@ class Meeting:
     def _states(self, still: Flag, strikes: Flag) -> tuple[list[Operand], list[Operand]]:
         """What contacts are after a good trip, and their speeds; still: it took no time."""
         shut, speed = list(self.touch.shut), list(self.touch.speed)
-        for n in range(self.meets.count):
+        for n in range(self.meets.n):
             if n not in self.meets.rigid:
                 shut[n], speed[n] = self._compliant(n)
         ended = _any(

@@ -2,16 +2,29 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
+from rattle.trace.lane_contacts import Meets
 from rattle.trace.lane_control import FLAGS, VERDICT, report_rows
 from rattle.trace.lane_methods import PLANNED, Method
 from rattle.trace.reductions import Ledger
 
-if TYPE_CHECKING:
-    from rattle.trace.lane_program import Model
-
 ASIDE = "aside: "  # names of rows of steps that are set aside
+
+
+class Shape(Protocol):
+    """What `lane_program.Model` says of its size."""
+
+    @property
+    def ny(self) -> int: ...
+    @property
+    def nc(self) -> int: ...
+    @property
+    def curves(self) -> int: ...
+    @property
+    def project(self) -> object | None: ...
+    @property
+    def meets(self) -> Meets | None: ...
 
 
 class Rows:
@@ -31,7 +44,7 @@ class Rows:
         return slice(self.places[first].start, self.places[last].stop)
 
 
-def laid_out(model: Model, method: Method, ledger: Ledger) -> Rows:
+def laid_out(model: Shape, method: Method, ledger: Ledger) -> Rows:
     """Rows that functions read or write stand next to each other, so that none is gathered."""
     wide, rows, meets = 1 + model.ny, Rows(), model.meets
     report = report_rows(ledger, meets)

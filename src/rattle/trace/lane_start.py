@@ -73,7 +73,7 @@ class Stock:
         self.still[:] = 0.0
         if meets is None:
             return np.ones(self.n, dtype=bool)
-        count, ny = meets.count, program.model.ny
+        count, ny = meets.n, program.model.ny
         state = self._state.copy()
         state[0], state[1 : 1 + ny] = 0.0, self.y
         rows = np.zeros((meets.end_rows, self.n))
@@ -96,7 +96,7 @@ class Stock:
         for n in meets.rigid:
             rests = np.where(any_hits, HITS, DECIDES)
             self.touch[n] = np.where(hits[n], HITS, np.where(near[n], rests, OPEN))
-            self.touch[count + n] = np.where(near[n], np.sign(held[n]["slip"]), 0.0)
+            self.touch[count + n] = np.where(near[n], np.sign(np.asarray(held[n]["slip"], dtype=float)), 0.0)
             self.still[near[n]] = 1.0
         first = count * 4 + 2 * len(meets.peaks)
         for place, name in enumerate(HELD_STARTS):

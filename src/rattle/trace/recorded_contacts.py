@@ -20,7 +20,7 @@ from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.jit import families
 from rattle.jit import layout as at
-from rattle.language.recorded import Flag, Operand, Recorded, bare
+from rattle.language.recorded import Flag, Operand, Recorded, bare, symbol_of
 from rattle.solvers.contacts.contact_events import push
 from rattle.solvers.contacts.gap_search import rate_rounding
 from rattle.trace.graph import Graph, Symbol, both, select
@@ -130,7 +130,9 @@ class RecordedContacts:
         copies.replace(families.call_stiffness, _positive_force)
         copies.replace(families.call_normal, _positive_force)
         self._copies = copies
-        together = [np.flatnonzero(self.rigid).tolist()] if self.lanes else [[n] for n in np.flatnonzero(self.lasts)]
+        together = (
+            [np.flatnonzero(self.rigid).tolist()] if self.lanes else [[n] for n in np.flatnonzero(self.lasts).tolist()]
+        )
         self._rigid = [
             RigidContacts(
                 self.graph, copies, self.table, numbers, self.shut, self.speed, self.is_shut,
@@ -300,7 +302,7 @@ class RecordedContacts:
 
 
 def _is_zero(x: Operand) -> bool:
-    return not isinstance(x, Symbol) and bare(x) == 0.0
+    return not isinstance(x, Symbol) and symbol_of(x) == 0.0
 
 
 def _response(

@@ -191,7 +191,7 @@ class RigidContacts:
                 continue
             slide, mu = slot.of(dict(enumerate(self.slide))), slot.of(self._of(m, at.MU))
             sticks = slot.taken & apply("equal", slide, 0.0) & (mu > 0.0) & slot.loose[1]
-            slips = [0.0] * (w * len(slots))
+            slips: list[Operand] = [0.0] * (w * len(slots))
             slips[w * k], slips[w * k + 1] = slide * mu, 1.0
             rows.append([
                 *(select(sticks, x, y) for x, y in zip(g[w * k + 1], slips, strict=True)),
@@ -440,7 +440,7 @@ def _solved(rows: list[list[Operand]]) -> list[Operand]:
                     a[r][j] = a[r][j] - factors[r, c] * a[c][j]
 
     def solve(b: list[Operand]) -> list[Operand]:
-        b, x = list(b), [0.0] * size
+        b, x = list(b), list[Operand]([0.0] * size)
         for (r, c), factor in factors.items():
             b[r] = b[r] - factor * b[c]
         for r in reversed(range(size)):

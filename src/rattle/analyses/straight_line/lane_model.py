@@ -220,7 +220,9 @@ class _Met:
         self.ends: list[Operand] = []
         self.midway: list[Operand] = []
         self.struck: list[Operand] = []
-        self.inputs, self.peaks, self.held = 0, (), ()
+        self.inputs = 0
+        self.peaks: tuple[int, ...] = ()
+        self.held: tuple[int, ...] = ()
         if model.contacts is None:
             return
         functions = model.contacts
