@@ -1,6 +1,6 @@
 """Speed of rattle as ratios to yardsticks measured in the same run.
 
-    python benchmarks/run.py [fourbar exudyn contact stack chain kinematics pressing startup assembly lanes oil wear
+    python benchmarks/run.py [fourbar exudyn contact stack chain kinematics pressing startup assembly lanes contact_lanes oil wear
                               pages peers] [--repeats 7] [--keep docs/making/scoreboard.toml]
 
 A ratio is rattle's time divided by the yardstick's; the aim is a time, a ratio or both.
@@ -14,6 +14,7 @@ from pathlib import Path
 
 import assembly
 import contact
+import contact_lanes
 import kinematics
 import lubrication
 import measure
@@ -39,6 +40,7 @@ SECTIONS = {
     "startup": startup.rows,
     "assembly": assembly.rows,
     "lanes": straight_line.rows,
+    "contact_lanes": contact_lanes.rows,
     "oil": lubrication.rows,
     "wear": wear.rows,
     "pages": pages.rows,

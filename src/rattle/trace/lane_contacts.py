@@ -38,9 +38,10 @@ from rattle.trace.reductions import Touches
 LANE = ("closing", "hit length", "free length", "doubts", "landings", "turned", "turns", "turned at")
 COUNTED = ("doubts", "landings", "turned")
 RELEASED = 2.0  # of a compliant contact: without force inside its wall
-# of contacts that forces hold, at the end of a step: force, reserve of slip or stick, slip, T, g'', g' without rounding
+# of contacts that forces hold, at the end of a step: force, reserve of slip or stick, slip, T, g'', g' without rounding,
+# force that may be rounding
 HELD_STARTS = ("pressed", "reserve", "most pressed", "most reserve")  # force, reserve; their sizes while it is so
-HELD_ENDS = ("pressed", "reserve", "slip", "tangent", "bend", "calm")
+HELD_ENDS = ("pressed", "reserve", "slip", "tangent", "bend", "calm", "faint")
 SHARP = 1e-11  # share of the step that first went beyond a contact by which the instant of the contact may be missed
 SOON = 0.5  # share of that step within which a contact is landed on that was not reached
 NEARER = 0.7  # share of the way to a contact that a step takes where all of it is too much: a force ends with a kink
@@ -309,8 +310,11 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
             k, first = meets.held.index(n), 2 * meets.n + len(meets.peaks)
             values = [
                 (touch.held[name][k], midway[first + place * len(meets.held) + k], ends.held[name][k],
-                 touch.held[f"most {name}"][k])
-                for place, name in enumerate(("pressed", "reserve"))
+                 touch.held[f"most {name}"][k], floor)
+                for place, (name, floor) in enumerate((
+                    ("pressed", ends.held["faint"][k]),
+                    ("reserve", select(apply("equal", touch.speed[n], 0.0), 2.0 * ends.held["faint"][k], 0.0)),
+                ))
             ]  # fmt: skip
             looks = _held_looks(meets, n, looks[0], values, h, reach, shut, released)
             spent.append(looks[1].arrives)
@@ -359,7 +363,7 @@ _NOTHING = _Look(False, False, True, FAR, FAR, FAR)
 
 
 def _held_looks(
-    meets: Meets, n: int, gap: _Look, values: Sequence[tuple[Operand, Operand, Operand, Operand]], h: Operand,
+    meets: Meets, n: int, gap: _Look, values: Sequence[tuple[Operand, ...]], h: Operand,
     reach: Operand, shut: Flag, released: Flag,
 ) -> list[_Look]:  # fmt: skip
     """What a step shows of a contact that ends where its force does, and whether it slips or sticks no longer.
@@ -372,24 +376,26 @@ def _held_looks(
     looks = [pressed.instead_of(gap, shut)]
     if n in meets.rigid:
         return [*looks, reserve.instead_of(_NOTHING, shut)]
-    start, middle, end, most = values[0]
-    again = _reserve_at(h, reach, -start, -middle, -end, most)
+    start, middle, end, most, floor = values[0]
+    again = _reserve_at(h, reach, -start, -middle, -end, most, floor)
     return [*looks, again.instead_of(_NOTHING, released)]
 
 
-def _reserve_at(h: Operand, reach: Operand, start: Operand, middle: Operand, end: Operand, most: Operand) -> _Look:
+def _reserve_at(
+    h: Operand, reach: Operand, start: Operand, middle: Operand, end: Operand, most: Operand, floor: Operand
+) -> _Look:
     """What three values say of the force of a rigid contact, or of what keeps it slipping or sticking.
 
-    most: size that it has had.
+    most: size that it has had; floor: size that may be rounding.
     """
     bend = 2.0 * (start + end) - 4.0 * middle
     rises = end - start - bend
     curve = _Polynomial([start, rises, bend], rises + 2.0 * bend)
     size = largest(most, largest(abs(start), abs(end)))
-    slight = SLIGHT * size
+    slight = largest(SLIGHT * size, floor)
     close = largest(slight, SHARP * reach / largest(h, LITTLE) * abs(curve.ends))
     arrives = ((curve.ends < 0.0) & (abs(end) <= close)) | ((reach > 0.0) & (abs(end) <= NOTHING_LEFT * size))
-    arrives = arrives & (size > 0.0)
+    arrives = arrives & (size > floor)
     close = select(arrives, largest(close, NOTHING_LEFT * size), slight)
     low = least(start, 0.0) - close
     turns = (bend > 0.0) & (rises < 0.0) & (curve.ends > 0.0)
@@ -616,9 +622,28 @@ class Meeting:
         ended = _any(
             (self.near[n] & self.shut[n]) | (self.met.spent[self.meets.held.index(n)] > 0.0) for n in self.meets.rigid
         )
+        again = self._again()
         for n in self.meets.rigid:
-            shut[n], speed[n] = self._rigid(n, still, strikes, ended)
+            shut[n], speed[n] = self._rigid(n, still, strikes, ended, again)
         return shut, speed
+
+    def _again(self) -> dict[int, Flag]:
+        """Rigid contacts that decide once more though nothing has hit: those that others hold down to a bounce that is
+        not followed, which shows only once these are shut, and with them all that are shut."""
+        quiet = apply("not", self.hits | self.decides)
+        low = {}
+        for n in self.meets.rigid:
+            k = self.meets.held.index(n)
+            at_wall = (self.touch.shut[n] < 0.5) & (self.ends.gap[n] <= self.met.low[k])
+            level = bool(self.meets.table[n, at.LEVEL])
+            low[n] = False if level else quiet & at_wall & self._low(n, k)
+        some = _any(low.values())
+        return {n: flag | (some & self.shut[n]) for n, flag in low.items()}
+
+    def _low(self, n: int, k: int) -> Flag:
+        """Whether a contact at its wall leaves it by less than is followed."""
+        rises, bend = self.ends.held["calm"][k], self.ends.held["bend"][k]
+        return (bend < 0.0) & (rises >= 0.0) & (rises * rises <= -2.0 * bend * self.met.low[k])
 
     def _compliant(self, n: int) -> tuple[Operand, Operand]:
         """What a compliant contact is after a trip, and its approach speed."""
@@ -632,7 +657,9 @@ class Meeting:
         speed = select(begins, largest(-self.ends.rate[n], 0.0), self.touch.speed[n])
         return select(near, after, code), speed
 
-    def _rigid(self, n: int, still: Flag, strikes: Flag, ended: Flag) -> tuple[Operand, Operand]:
+    def _rigid(
+        self, n: int, still: Flag, strikes: Flag, ended: Flag, again: dict[int, Flag]
+    ) -> tuple[Operand, Operand]:
         """What a rigid contact is after a trip, and the sense of its slip."""
         touch, near, k, r = self.touch, self.near[n], self.meets.held.index(n), self.meets.rigid.index(n)
         end = {name: rows[k] for name, rows in self.ends.held.items()}
@@ -648,13 +675,16 @@ class Meeting:
         goes = select(spent, DECIDES, goes) if level else goes
         # after an impact, and after a decision
         rises, took_part = end["calm"], touch.shut[n] > 0.5
-        low = (end["bend"] < 0.0) & (rises * largest(rises, 0.0) <= -2.0 * end["bend"] * self.met.low[k])
-        if level:
-            low = (end["bend"] < 0.0) & (rises <= 0.0)
+        low = rises <= 0.0
+        if not level:
+            low = low | self._low(n, k)
         after = select(took_part & low, DECIDES, OPEN)
         sense = select(end["slip"] > 0.0, 1.0, select(end["slip"] < 0.0, -1.0, 0.0))
-        shut = select(self.hits, after, select(self.decides, self.struck.shut[r], touch.shut[n]))
-        slide = select(self.hits, sense, select(self.decides, self.struck.slide[r], touch.speed[n]))
+        shut = select(self.decides, self.struck.shut[r], select(again[n], DECIDES, touch.shut[n]))
+        slide = select(
+            self.decides, self.struck.slide[r], select(again[n] & (touch.shut[n] < 0.5), sense, touch.speed[n])
+        )
+        shut, slide = select(self.hits, after, shut), select(self.hits, sense, slide)
         return select(still, shut, goes), select(still, slide, way)
 
     @staticmethod

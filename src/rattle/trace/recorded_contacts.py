@@ -210,6 +210,10 @@ class RecordedContacts:
         """g'' of rigid contacts [m/s^2 or rad/s^2] at the accelerations in m."""
         return self._rigid[0].bends(m)[0] if self._rigid else {}
 
+    def faint(self, m: SimpleNamespace, n: int) -> Operand:
+        """Force of a rigid contact that may be rounding [N or N m]."""
+        return self._rigid[0].faint(m, n)
+
     def calm(self, m: SimpleNamespace, n: int, rate: Operand) -> Operand:
         """A rate of contact n, 0 where it may be rounding."""
         return select(abs(rate) <= REST + self._copies.of(rate_rounding.python)(m, n), 0.0, rate)

@@ -37,6 +37,7 @@ SLOTS, SMOOTH_SLOTS = 2, 3  # contacts that take part at one instant, with frict
 OPEN, SHUT, HITS, DECIDES = 0.0, 1.0, 2.0, 3.0
 OFF, STICKS, FORWARD, BACKWARD = range(4)  # modes
 SLIGHT = 1e-12  # share by which a bound may be missed: rounding
+ROUNDED = 1e-13  # share of the terms of an acceleration that is rounding
 FIXED = 1e-11  # share of G without joints that G is where these fix a gap or a slip
 RAISED = 1e-8  # share by which diagonals of G are raised
 ALIKE = 1e-9  # share by which two solutions may differ that count as one
@@ -139,6 +140,16 @@ class RigidContacts:
         pushes = [push for slot in slots for push in slot.push]
         aways = [away for slot in slots for away in slot.away]
         return [[_power(push, away) for away in aways] for push in pushes]
+
+    def faint(self, m: SimpleNamespace, n: int) -> Operand:
+        """Force of contact n that may be rounding [N or N m]: that of the terms of g''."""
+        push, free = self._unit(m, n, 1.0, 0.0), 0.0
+        terms = abs(m.contact_kinematics[n, at.GAMMA_N])
+        for place in np.ndindex(push.shape):
+            if place[0] > 0:
+                terms = terms + abs(push[place] * m.acceleration[place])
+                free = free + push[place] * push[place] * m.weight[place]
+        return ROUNDED * terms / free
 
     def bends(self, m: SimpleNamespace) -> tuple[dict[int, Operand], dict[int, Operand]]:
         """g'' and the rate of slip of each contact by the present accelerations."""
@@ -271,6 +282,8 @@ class RigidContacts:
         """
         g, w = self._matrix(slots), self.width
         options = [OFF, FORWARD] if not self.rough else [OFF, STICKS, FORWARD, BACKWARD]
+        if lasting:  # what rests without a force stays shut: it takes part in impacts
+            options = [*options[1:], OFF]
         mus = [slot.of(self._of(m, at.MU)) if self.rough else 0.0 for slot in slots]
         slides = [slot.of(dict(enumerate(self.slide))) if self.rough else 0.0 for slot in slots]
         best: list[list[Operand]] = [[0.0] * w for _ in slots]

@@ -77,6 +77,7 @@ class HeldFunctions:
     calm: list[Operand]  # rate of the gap [m/s or rad/s] likewise
     tangent: list[Operand]  # T of B against A along t [N]
     bend: list[Operand]  # second derivative of the gap [m/s^2 or rad/s^2]
+    faint: list[Operand]  # force that may be rounding [N or N m]
     struck: Struck
 
 
@@ -208,7 +209,7 @@ def _record_contacts(
 def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray) -> HeldFunctions:
     """Functions of contacts that their forces hold, at the state y, for which the equations of motion stand in m."""
     struck, kinematics, bends = met.struck(m, y), m.contact_kinematics, met.bends(m)
-    held = HeldFunctions([], [], [], [], [], [], [], struck)
+    held = HeldFunctions([], [], [], [], [], [], [], [], struck)
     for n in np.flatnonzero(met.by_force).tolist():
         row, rigid = kinematics[n], bool(met.rigid[n])
         held.numbers.append(n)
@@ -218,6 +219,7 @@ def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray) -> HeldFunct
         held.calm.append(met.calm(m, n, row[at.DGAP]) if rigid else 0.0)
         held.tangent.append(row[at.TANGENT] if rigid else 0.0)
         held.bend.append(bends[n] if rigid else 0.0)
+        held.faint.append(met.faint(m, n) if rigid else 0.0)
     return held
 
 

@@ -1,0 +1,53 @@
+"""Samples with contacts side by side against runs alone: processor time per sample of every example that has some."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+import rattle as rt
+from measure import Row
+from rattle.results.columns import geometry
+from rattle.results.reductions import meetings
+
+AIMS = {"slider_crank_play": "1.6 ms", "fourbar_onesided": "0.1"}  # with AVX-512; a tenth of a run alone
+MOST = 0.5  # [s] of a run
+FEW, MANY = 64, 448  # the difference of both is what samples take, without recording and compiling
+ALONE = 4  # runs
+
+
+def rows(repeats: int) -> list[Row]:
+    """A row for each example whose samples run side by side, those that do not are named with the reason."""
+    answers = []
+    for name in sorted(rt.examples()):
+        mechanism = rt.example(name)
+        if len(mechanism.system.arrays["contact"]) and mechanism.model.parameters:
+            answers.append(row(name, mechanism, repeats))
+    return answers
+
+
+def row(name: str, m: rt.Mechanism, repeats: int) -> Row:
+    """Time of a sample, and of a run alone."""
+    span = min(m.model.settings.t_end or MOST, MOST)
+    parameter = list(m.parameters)[-1]
+    value, body = m.parameters[parameter] or 1e-6, next(iter(m.model.bodies))
+    outputs = [f"final({body}.x)", *(f"count({joint}.contacts)" for joint in meetings(geometry(m.model)))]
+    random = np.random.default_rng(1)
+
+    def spent(count: int) -> tuple[float, rt.Many]:
+        began = time.process_time()
+        found = m.many({parameter: value * random.uniform(0.99, 1.01, count)}, outputs, span, threads=1)
+        return time.process_time() - began, found
+
+    _, found = spent(8)
+    if len(found.generic):
+        return Row(f"samples of {name}: {found.stats['how'][:100]}", 0.0)
+    times, alone = [], []
+    for _ in range(repeats):
+        times.append((spent(MANY)[0] - spent(FEW)[0]) / (MANY - FEW))
+        began = time.process_time()
+        for _ in range(ALONE):
+            m.simulate(span, t_eval=[0.0, span], rtol=1e-8)
+        alone.append((time.process_time() - began) / ALONE)
+    return Row(f"sample of {name}", min(times), "alone", min(alone), AIMS.get(name, ""))
