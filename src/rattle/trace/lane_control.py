@@ -35,6 +35,7 @@ class Status(IntEnum):
     TOO_MANY_STEPS = 5
     STEP_TOO_SMALL = 6
     CONTACTS = 7
+    PRESSED = 8
 
     @property
     def words(self) -> str:
@@ -44,13 +45,14 @@ class Status(IntEnum):
 
 WORDS = {
     Status.DONE: "done",
-    Status.START: "has no start: the loops do not close, or the rates do not fit",
+    Status.START: "has no start (the loops do not close, or the rates do not fit), or another form (as without friction)",
     Status.ASSUMPTION: "comes next to a singular position or coincident points, which straight-line code cannot pass",
     Status.NOT_FINITE: "has no finite value: a load or curve outside its domain, or a diverging motion",
     Status.ENERGY: "has an energy error above the limit",
     Status.TOO_MANY_STEPS: "takes too many steps",
     Status.STEP_TOO_SMALL: "needs steps that are too short",
-    Status.CONTACTS: "touches at its start, or comes to contacts that straight-line code cannot follow",
+    Status.CONTACTS: "comes to more contacts at once than straight-line code follows, or to forces that are not decided",
+    Status.PRESSED: "is pressed into a wall at its start",
 }
 
 

@@ -51,9 +51,9 @@ class Model(NamedTuple):
     watch: Function | None = None  # as rate, then the curves of these numbers
     watched: tuple[int, ...] = ()
     arrive: Function | None = None  # project, then rate and outputs of the state that it gives, which share operations
-    meets: Meets | None = (
-        None  # contacts; then `arrive` ends with `Ends`, and constants begin with the first of `Touch`
-    )
+    weight: float = 0.0  # energy of lifting it by its size [J]
+    # contacts; then `arrive` ends with `Ends`, and constants begin with the first of `Touch`
+    meets: Meets | None = None
 
 
 class Program:
@@ -73,7 +73,7 @@ class Program:
         self.model, self.method, self.t_end = model, method, t_end
         self.chain, self.tiled = chain, tiled
         self.stops = np.array([*sorted(inner), t_end])
-        energies = None if model.energies is None else Energies(model.energies, energy_limit)
+        energies = None if model.energies is None else Energies(model.energies, energy_limit, model.weight)
         self.ledger = ledger = Ledger(
             reductions, model.curves, self.stops.tolist(), method.samples, energies, model.watched
         )

@@ -61,7 +61,7 @@ class Stock:
         accounted = np.ones(self.n, dtype=bool) if held is None else self.rows[held] != 0.0
         status = np.select(
             [~np.asarray(sound, dtype=bool), ~fits, ~finite, ~accounted, ~apart],
-            [Status.START, Status.ASSUMPTION, Status.NOT_FINITE, Status.ENERGY, Status.CONTACTS],
+            [Status.START, Status.ASSUMPTION, Status.NOT_FINITE, Status.ENERGY, Status.PRESSED],
             Status.DONE,
         )
         return status[:k]

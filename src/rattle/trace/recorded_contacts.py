@@ -102,6 +102,10 @@ class RecordedContacts:
             for column, words, has in UNABLE:
                 if has(self.table[n, column]):
                     raise TraceError(f"contacts with {words} (joint {joint}) cannot be straight-line code")
+            law = values[places[n] + at.RESTITUTION_LAW] if self.rigid[n] else NEWTON
+            alone = self.rigid.sum() == 1 and smooth[n]  # then all laws are one
+            if lanes and not alone and (isinstance(law, Recorded) or law != NEWTON):
+                raise TraceError(f'impacts (joint {joint}) run side by side with restitution_law = "newton" only')
             torque = values[places[n] + at.MOST_TORQUE] if self.table[n, at.LEVEL] and self.rigid[n] else 0.0
             if self.table[n, at.LEVEL] and not (lanes and not isinstance(torque, Recorded) and torque == math.inf):
                 raise TraceError(

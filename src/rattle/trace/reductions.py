@@ -200,11 +200,13 @@ class Beginning:
 class Energies:
     """The largest kinetic energy, least and largest potential, largest work; a flag: the balance is within limits.
 
-    curves: kinetic and potential energy, work, energy dissipated, balance [J]; limit: see `Model`.
+    curves: kinetic and potential energy, work, energy dissipated, balance [J]; limit: see `Model`; weight: energy of
+    lifting the mechanism by its size, of which a share is rounding.
     """
 
     curves: tuple[int, int, int, int, int]
     limit: float
+    weight: float = 0.0  # [J]
     rows = 5
 
     def start(self, curves: Sequence[Operand]) -> list[Operand]:
@@ -220,7 +222,7 @@ class Energies:
         kinetic, work = largest(kinetic, held[0]), largest(abs(work), held[3])
         low, high = least(potential, held[1]), largest(potential, held[2])
         turnover = largest(largest(kinetic, work), high - low)
-        rounding = AFTER * (kinetic + work + largest(abs(low), abs(high)))
+        rounding = AFTER * (kinetic + work + largest(abs(low), abs(high)) + self.weight)
         sound = abs(balance) <= self.limit * turnover + rounding
         return [kinetic, low, high, work, select(sound, 1.0, 0.0)]
 
@@ -243,6 +245,8 @@ class Numbered:
 
     def step(self, held: Sequence[Operand], step: Step) -> list[Operand]:
         """Rows at the end of the step."""
+        if not self.contacts:  # of a joint whose contact never ends, as of a massless link
+            return list(held)
         assert step.touches is not None
         touches, (count, value, who) = step.touches, held
         if self.kind == "peak":

@@ -12,6 +12,7 @@ from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.analyses.straight_line.recorded_start import driven_bodies
 from rattle.analyses.straight_line.starts import Starts
 from rattle.equations.state import state_layout
+from rattle.equations.system import System
 from rattle.jit.choices import TINY
 from rattle.language.recorded import Operand, symbol_of
 from rattle.language.syntax import Apply, Name, Node, Number, walk
@@ -208,8 +209,14 @@ def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, st
     return Model(
         ny, met.inputs + len(prepared), len(curves), 6 * nb, controlled, begin, rate, None, row,
         (first, first + 1, first + 2, first + 3, first + 4), watch[0] if watch else None, watched, arrive,
-        met.meets(late, written[5], touched, half, strike),
+        _weight(model.system), met.meets(late, written[5], touched, half, strike),
     )  # fmt: skip
+
+
+def _weight(system: System) -> float:
+    """Energy of lifting a mechanism by its size [J]."""
+    mass, gravity = system.arrays["mass"][:, 0].astype(float), system.arrays["gravity"].astype(float)
+    return float(mass.sum() * np.hypot(*gravity) * system.size)
 
 
 class _Met:

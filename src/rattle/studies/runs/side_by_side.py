@@ -38,6 +38,7 @@ from rattle.trace.reductions import EXTREMES
 MOST_OPERATIONS = 20_000  # of right-hand side, projection and curves; beyond, machine code is slow to make
 DRIVEN = ("kinematics", "inverse-dynamics")  # a motion that drivers determine: its integral is put on the constraints
 BESIDE = 0.1  # share of what a pivot usually is at least that it may be, with equations solved more exactly
+EVENT_DRIVEN = "event"  # the method of models with rigid contacts: steps of the usual one, which end at events
 SHORT = 2000  # steps of a run where long ones would miss something
 
 
@@ -60,7 +61,8 @@ class SideBySide:
 
     def __init__(self, task: Task) -> None:
         self.task = task
-        self._method = usual_stepper(FREE) if task.analysis in DRIVEN or task.how.method is None else task.how.method
+        usual = task.analysis in DRIVEN or task.how.method in (None, EVENT_DRIVEN)
+        self._method = usual_stepper(FREE) if usual else str(task.how.method)
         _require_lanes(task, self._method)
         self.model = self._recorded(0.0)
         follow = {*task.names, *self.model.dependent}
