@@ -53,6 +53,7 @@ LEAST_SHARE, MOST_SHARE = 0.2, 0.5  # of a step in doubt that is tried next
 HALVINGS = 2  # of a polynomial whose sign is asked for
 MOST_LANDINGS, MOST_TURNS = 200, 60  # tries that do not land; turns at one instant
 AT_ONCE = 1e-13  # share of the time within which turns are at one instant
+SHORTEST_LANDING = 2e-15  # share of the time that a step to a contact takes at least
 FAR, LITTLE = 1e300, 1e-300
 SLIGHT = 1e-12  # share of a force, or of a slip, that may be rounding
 NOTHING_LEFT = 1e-10  # share of it that counts as none where a step is to end with it
@@ -557,12 +558,13 @@ class Meeting:
         comes = lands & flags.good & apply("not", turns | still) & (met.due <= SOON * lane["hit length"])
         missed = lands & apply("not", hit | flags.fits)
         ahead = select(comes, met.due, self._ahead(h, flags, hit, cut, missed))
+        landings = select(turns | still, 0.0, select(hit | comes | missed, landing + 1.0, 0.0))
         first = select(lane["closing"] > 0.0, least(flags.planned, FIRST_STEP * self._lasting()), flags.planned)
         after = select(closes | strikes, reach, largest(reach, AFTER_CONTACT * lane["free length"]))
+        ahead = select(landings > 0.0, largest(ahead, SHORTEST_LANDING * t), ahead)
         ahead = select(turns, after, select(still, first, ahead))
         again = (t - lane["turned at"]) <= AT_ONCE * t
         count = select(turns, select(again, lane["turns"] + 1.0, 1.0), lane["turns"])
-        landings = select(turns | still, 0.0, select(hit | comes | missed, landing + 1.0, 0.0))
         values = {
             "closing": select(turns, _one(closes), select(still, 0.0, lane["closing"])),
             "hit length": select(hit & (landing <= 0.0), h, lane["hit length"]),

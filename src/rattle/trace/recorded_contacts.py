@@ -214,8 +214,8 @@ class RecordedContacts:
         """g'' of rigid contacts [m/s^2 or rad/s^2] at the accelerations in m."""
         return self._rigid[0].bends(m)[0] if self._rigid else {}
 
-    def faint(self, m: SimpleNamespace, n: int) -> Operand:
-        """Force of a rigid contact that may be rounding [N or N m]."""
+    def faint(self, m: SimpleNamespace, n: int) -> tuple[Operand, Operand]:
+        """g'' of a rigid contact, and its force, that may be rounding; see `RigidContacts`."""
         return self._rigid[0].faint(m, n)
 
     def calm(self, m: SimpleNamespace, n: int, rate: Operand) -> Operand:

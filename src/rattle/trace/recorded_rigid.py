@@ -141,15 +141,15 @@ class RigidContacts:
         aways = [away for slot in slots for away in slot.away]
         return [[_power(push, away) for away in aways] for push in pushes]
 
-    def faint(self, m: SimpleNamespace, n: int) -> Operand:
-        """Force of contact n that may be rounding [N or N m]: that of the terms of g''."""
+    def faint(self, m: SimpleNamespace, n: int) -> tuple[Operand, Operand]:
+        """g'' of contact n that may be rounding [m/s^2 or rad/s^2], by its terms, and the force with which it goes."""
         push, free = self._unit(m, n, 1.0, 0.0), 0.0
         terms = abs(m.contact_kinematics[n, at.GAMMA_N])
         for place in np.ndindex(push.shape):
             if place[0] > 0:
                 terms = terms + abs(push[place] * m.acceleration[place])
                 free = free + push[place] * push[place] * m.weight[place]
-        return ROUNDED * terms / free
+        return ROUNDED * terms, ROUNDED * terms / free
 
     def bends(self, m: SimpleNamespace) -> tuple[dict[int, Operand], dict[int, Operand]]:
         """g'' and the rate of slip of each contact by the present accelerations."""

@@ -76,7 +76,7 @@ class HeldFunctions:
     slip: list[Operand]  # [m/s], 0 where it may be rounding
     calm: list[Operand]  # rate of the gap [m/s or rad/s] likewise
     tangent: list[Operand]  # T of B against A along t [N]
-    bend: list[Operand]  # second derivative of the gap [m/s^2 or rad/s^2]
+    bend: list[Operand]  # second derivative of the gap [m/s^2 or rad/s^2], likewise
     faint: list[Operand]  # force that may be rounding [N or N m]
     struck: Struck
 
@@ -218,8 +218,9 @@ def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray) -> HeldFunct
         held.slip.append(met.calm(m, n, row[at.SLIP]) if rigid else 0.0)
         held.calm.append(met.calm(m, n, row[at.DGAP]) if rigid else 0.0)
         held.tangent.append(row[at.TANGENT] if rigid else 0.0)
-        held.bend.append(bends[n] if rigid else 0.0)
-        held.faint.append(met.faint(m, n) if rigid else 0.0)
+        slight, faint = met.faint(m, n) if rigid else (0.0, 0.0)
+        held.bend.append(select(abs(bends[n]) <= slight, 0.0, bends[n]) if rigid else 0.0)
+        held.faint.append(faint)
     return held
 
 
