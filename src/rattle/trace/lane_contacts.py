@@ -37,6 +37,7 @@ from rattle.trace.reductions import Touches
 # of a lane, whatever contact it is; the last ones count tries
 LANE = ("closing", "hit length", "free length", "doubts", "landings", "turned", "turns", "turned at")
 COUNTED = ("doubts", "landings", "turned")
+LEAVES = 2.0  # speed of a rigid contact whose force has just ended
 RELEASED = 2.0  # of a compliant contact: without force inside its wall
 # of contacts that forces hold, at the end of a step: force, reserve of slip or stick, slip, T, g'', g' without rounding,
 # force that may be rounding
@@ -637,6 +638,7 @@ class Meeting:
         for n in self.meets.rigid:
             k = self.meets.held.index(n)
             at_wall = (self.touch.shut[n] < 0.5) & (self.ends.gap[n] <= self.met.low[k])
+            at_wall = at_wall & (self.touch.speed[n] < LEAVES)
             level = bool(self.meets.table[n, at.LEVEL])
             low[n] = False if level else quiet & at_wall & self._low(n, k)
         some = _any(low.values())
@@ -671,7 +673,7 @@ class Meeting:
         part = (touch.shut[n] < 0.5) | self.shut[n] if level else self.shut[n]
         goes = select(part & strikes, HITS, select(self.shut[n] & ended, DECIDES, goes))
         goes = select(near, select(self.shut[n], OPEN, HITS), goes)
-        way = select(near, 0.0, way)
+        way = select(near, select(self.shut[n], LEAVES, 0.0), select(touch.shut[n] < 0.5, 0.0, way))
         broken = select(end["tangent"] > 0.0, 1.0, -1.0)  # the force on B along t is -T: it begins to slip so
         way = select(spent, select(apply("equal", way, 0.0), broken, 0.0), way)
         goes = select(spent, DECIDES, goes) if level else goes
@@ -683,9 +685,8 @@ class Meeting:
         after = select(took_part & low, DECIDES, OPEN)
         sense = select(end["slip"] > 0.0, 1.0, select(end["slip"] < 0.0, -1.0, 0.0))
         shut = select(self.decides, self.struck.shut[r], select(again[n], DECIDES, touch.shut[n]))
-        slide = select(
-            self.decides, self.struck.slide[r], select(again[n] & (touch.shut[n] < 0.5), sense, touch.speed[n])
-        )
+        slide = select(again[n] & (touch.shut[n] < 0.5), sense, touch.speed[n])
+        slide = select(self.decides & (touch.shut[n] > 0.5), self.struck.slide[r], slide)
         shut, slide = select(self.hits, after, shut), select(self.hits, sense, slide)
         return select(still, shut, goes), select(still, slide, way)
 
