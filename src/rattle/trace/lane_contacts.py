@@ -39,8 +39,8 @@ LANE = ("closing", "hit length", "free length", "doubts", "landings", "turned", 
 COUNTED = ("doubts", "landings", "turned")
 LEAVES = 2.0  # speed of a rigid contact whose force has just ended
 RELEASED = 2.0  # of a compliant contact: without force inside its wall
-# of contacts that forces hold, at the end of a step: force, reserve of slip or stick, slip, T, g'', g' without rounding,
-# force that may be rounding
+# of contacts that forces hold, at the end of a step: force, reserve of slip or stick, slip, T, g'' and g' without what
+# may be rounding, force that may be
 HELD_STARTS = ("pressed", "reserve", "most pressed", "most reserve")  # force, reserve; their sizes while it is so
 HELD_ENDS = ("pressed", "reserve", "slip", "tangent", "bend", "calm", "faint")
 SHARP = 1e-11  # share of the step that first went beyond a contact by which the instant of the contact may be missed

@@ -45,13 +45,13 @@ class Status(IntEnum):
 
 WORDS = {
     Status.DONE: "done",
-    Status.START: "has no start (the loops do not close, or the rates do not fit), or another form (as without friction)",
+    Status.START: "has no start (loops do not close, rates do not fit), or another form (as without friction)",
     Status.ASSUMPTION: "comes next to a singular position or coincident points, which straight-line code cannot pass",
     Status.NOT_FINITE: "has no finite value: a load or curve outside its domain, or a diverging motion",
     Status.ENERGY: "has an energy error above the limit",
     Status.TOO_MANY_STEPS: "takes too many steps",
     Status.STEP_TOO_SMALL: "needs steps that are too short",
-    Status.CONTACTS: "comes to more contacts at once than straight-line code follows, or to forces that are not decided",
+    Status.CONTACTS: "comes to more contacts at once than straight-line code follows, or to undecided forces",
     Status.PRESSED: "is pressed into a wall at its start",
 }
 

@@ -268,7 +268,7 @@ def test_contacts_are_of_runs_in_time():
 def test_what_derivatives_cannot_follow_says_so_and_why():
     with pytest.raises(TraceError, match="contacts with oil"):
         rt.example("slider_crank_oil").sensitivity(["slider.x"], ["c"], [0.0, 1e-3])
-    with pytest.raises(TraceError, match="the shape of the contacts in slot0 branches"):
+    with pytest.raises(TraceError, match="the shape of the contacts in lock branches"):
         rt.example("geneva").sensitivity(["wheel.angle"], ["r"], [0.0, 1e-3])
     with pytest.raises(TraceError, match="derivatives with restitution_law"):
         rt.loads(disc(law="poisson")).sensitivity(["pin.x"], ["c"], [0.0, 2e-3])

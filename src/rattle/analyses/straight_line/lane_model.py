@@ -15,7 +15,10 @@ from rattle.equations.state import state_layout
 from rattle.equations.system import System
 from rattle.jit.choices import TINY
 from rattle.language.recorded import Operand, symbol_of
-from rattle.language.syntax import Apply, Name, Node, Number, walk
+from rattle.language.syntax import Apply, Name, Node, Number, names, walk
+from rattle.results.columns import geometry
+from rattle.results.contact_summary import RISING
+from rattle.results.evaluation import TOLD
 from rattle.results.reductions import EVENTS_OF_CONTACT, OF_EVENTS, Output, argument
 from rattle.trace import reductions
 from rattle.trace.copying import replaced
@@ -44,6 +47,7 @@ class Asked:
         self.reductions: list[Reduction] = []
         self._places: dict[Reduction, int] = {}
         self.rows = [[self._row(reduction) for reduction in output.reductions] for output in outputs]
+        self.forces = self.towers()
 
     def _row(self, reduction: Any) -> int:
         """The row of the values that holds a reduction."""
@@ -52,12 +56,30 @@ class Asked:
         symbol = expression(self.model, reduction.inner)
         if reduction.kind in ("share", "first") and not reduction.strict:
             symbol = self.model.graph.apply("select", symbol >= 0.0, symbol + TINY, symbol)
+        curve = self._curve(symbol)
+        t = argument(reduction, self.model.values) if reduction.kind == "at" else 0.0
+        return self._place(Reduction(reduction.kind, curve, t))
+
+    def _curve(self, symbol: Operand) -> int:
         place = self.model.graph.place(symbol)
         curve = next((n for n, x in enumerate(self.curves) if self.model.graph.place(x) == place), len(self.curves))
         if curve == len(self.curves):
             self.curves.append(symbol)
-        t = argument(reduction, self.model.values) if reduction.kind == "at" else 0.0
-        return self._place(Reduction(reduction.kind, curve, t))
+        return curve
+
+    def towers(self) -> dict[str, tuple[int, int]]:
+        """Rows of the largest force and of its mean of joints with rigid contacts, beside which forces may
+        rise without meaning; none where no output depends on a force."""
+        joints = [name for name, form in geometry(self.model.system.model)["joints"].items() if form.get("rigid")]
+        told = [reduction for output in self.outputs for reduction in output.reductions if reduction.kind not in TOLD]
+        used = {name for reduction in told for name in names(reduction.inner)}
+        if not any(self.model.units.get(name, RISING[0]) in RISING for name in used - {"t", *self.model.values}):
+            return {}
+        rows = {}
+        for joint in joints:
+            curve = self._curve(self.model.symbol(f"{joint}.force"))
+            rows[joint] = self._place(Reduction("max", curve)), self._place(Reduction("mean", curve))
+        return rows
 
     def _place(self, reduction: Reduction) -> int:
         if reduction not in self._places:

@@ -24,6 +24,7 @@ from rattle.language import arrays
 from rattle.language.local_function import LocalFunction
 from rattle.language.syntax import names
 from rattle.registry import kinds
+from rattle.results.contact_summary import TOWERS
 from rattle.solvers.stepper import FREE, LONGEST, tableau_of, usual_stepper
 from rattle.studies.runs.analyses import given_up, steps_at_most
 from rattle.studies.runs.task import Task
@@ -39,6 +40,7 @@ MOST_OPERATIONS = 20_000  # of right-hand side, projection and curves; beyond, m
 DRIVEN = ("kinematics", "inverse-dynamics")  # a motion that drivers determine: its integral is put on the constraints
 BESIDE = 0.1  # share of what a pivot usually is at least that it may be, with equations solved more exactly
 EVENT_DRIVEN = "event"  # the method of models with rigid contacts: steps of the usual one, which end at events
+MAY_TOWER = 0.5  # share of what is too high above the mean, as what is usual may be less than that
 SHORT = 2000  # steps of a run where long ones would miss something
 
 
@@ -106,6 +108,7 @@ class SideBySide:
         rows = [[outcome.values[k] for k in places] for places in self.asked.rows]
         computed = [self._output(n, reduced, values, dependent) for n, reduced in enumerate(rows)]
         failed = outcome.status != Status.DONE
+        towers = ~failed & self._towering(outcome.values)
         most = steps_at_most(self.task.mechanism, self.task.how) if self.task.analysis == "simulate" else None
         endless = (outcome.status == Status.TOO_MANY_STEPS) & (most is not None)
         reasons = {}
@@ -113,9 +116,19 @@ class SideBySide:
             reasons[Status(int(status)).words] = int((outcome.status == status).sum())
         if (count := int((beyond & ~failed).sum())) > 0:
             reasons["beyond the limits of a parameter"] = count
+        if towers.any():
+            reasons["a force may tower with a rigid contact, which only a run alone tells"] = int(towers.sum())
+        failed |= towers
         outputs = np.where(failed | beyond, np.nan, np.array(computed))
         messages = dict.fromkeys(np.flatnonzero(endless & ~beyond).tolist(), given_up(most or 0))
         return Together(outputs, failed | beyond, messages, reasons, int(outcome.steps.sum()), outcome.tallies)
+
+    def _towering(self, values: np.ndarray) -> np.ndarray:
+        """(n,) samples in which the largest force of a joint with a rigid contact is far above what is usual."""
+        towering = np.zeros(values.shape[1], dtype=bool)
+        for most, usual in self.asked.forces.values():
+            towering |= values[most] > MAY_TOWER * TOWERS * values[usual]
+        return towering
 
     def _beyond(self, values: np.ndarray, dependent: Mapping[str, np.ndarray]) -> np.ndarray:
         """(n,) samples with a parameter beyond its limits, which the reader of the model refuses."""
