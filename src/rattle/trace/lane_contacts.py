@@ -25,6 +25,7 @@ from rattle.jit import layout as at
 from rattle.language.recorded import Flag, Operand
 from rattle.solvers.contacts import gap_search
 from rattle.solvers.contacts.contact_events import AFTER_CONTACT, FIRST_STEP
+from rattle.solvers.contacts.penetration import DEEP
 from rattle.solvers.nonsmooth.impacts import LOW, LOW_OF_GAP, NOTICED
 from rattle.trace.graph import apply, both, select
 from rattle.trace.lane_chain import Function
@@ -35,7 +36,7 @@ from rattle.trace.recording import Recorder
 from rattle.trace.reductions import Touches
 
 # of a lane, whatever contact it is; the last ones count tries
-LANE = ("closing", "hit length", "free length", "doubts", "landings", "turned", "turns", "turned at")
+LANE = ("closing", "hit length", "free length", "unsound", "doubts", "landings", "turned", "turns", "turned at")
 COUNTED = ("doubts", "landings", "turned")
 LEAVES = 2.0  # speed of a rigid contact whose force has just ended
 RELEASED = 2.0  # of a compliant contact: without force inside its wall
@@ -52,7 +53,9 @@ SHORT_OF = 1.0 - 1e-10  # largest share of a step to land at: shorter than the s
 CAUTION = 0.7  # share of the longest step that a bound allows which is tried next
 LEAST_SHARE, MOST_SHARE = 0.2, 0.5  # of a step in doubt that is tried next
 HALVINGS = 2  # of a polynomial whose sign is asked for
+TURNS_BACK, LEAST_SOON = 4.0, 1e-3  # depth at which it turns, as a share of that so far; share of the step tried next
 MOST_LANDINGS, MOST_TURNS = 200, 60  # tries that do not land; turns at one instant
+MOST_UNSOUND = 60  # tries of a run with stages that are not sound, as some are that go far beyond a contact
 AT_ONCE = 1e-13  # share of the time within which turns are at one instant
 SHORTEST_LANDING = 2e-15  # share of the time that a step to a contact takes at least
 FAR, LITTLE = 1e300, 1e-300
@@ -111,7 +114,7 @@ class Meets(NamedTuple):
     @property
     def met_rows(self) -> int:
         """Rows that `meet` writes, see `Met`."""
-        return 4 + self.n + len(self.peaks) + 2 * len(self.held)
+        return 5 + self.n + len(self.peaks) + 2 * len(self.held)
 
 
 class Touch:
@@ -151,13 +154,13 @@ class Ends:
 
 class Met:
     """What a step says of contacts: it is cut, and how long the next try is; it is cut as it went beyond a contact;
-    time from its end to the next contact, about; contacts turn at its end; largest forces in it; of those that forces
+    time from its end to the next contact, about; an open one is deep in its wall; contacts turn at its end; largest forces in it; of those that forces
     hold, that nothing is left of their reserve, and a height of bounces that are not followed."""
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
         r = len(meets.held)
-        first, self.near, self.peaks, self.spent, self.low = _parted(rows, [4, meets.n, len(meets.peaks), r, r])
-        self.cut, self.ahead, self.hit, self.due = first
+        first, self.near, self.peaks, self.spent, self.low = _parted(rows, [5, meets.n, len(meets.peaks), r, r])
+        self.cut, self.ahead, self.hit, self.due, self.deep = first
 
 
 class Struck:
@@ -293,6 +296,7 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
     short: Operand = h
     theta: Operand = FAR
     due: Operand = FAR
+    deep: Flag = False
     near: list[Flag] = []
     spent: list[Flag] = []
     low: list[Operand] = []
@@ -307,6 +311,7 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
             recorder, m, n, shut | released, h, (touch.gap[n], touch.rate[n]), (ends.gap[n], ends.rate[n]),
             (midway[n], midway[meets.n + n]),
         )  # fmt: skip
+        deep = deep | ((code < 0.5) & (gap.end < -DEEP * m.lever[n, at.GAP_SCALE]))
         looks = [gap.looked_at(reach)]
         if n in meets.held:
             k, first = meets.held.index(n), 2 * meets.n + len(meets.peaks)
@@ -342,7 +347,17 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
         ])
         for k in range(len(meets.peaks))
     ]  # fmt: skip
-    return graph, [_one(cut), select(hit, theta * h, short), _one(moves & hit), due, *turned, *forces, *ended, *low]
+    return graph, [
+        _one(cut),
+        select(hit, theta * h, short),
+        _one(moves & hit),
+        due,
+        _one(deep),
+        *turned,
+        *forces,
+        *ended,
+        *low,
+    ]
 
 
 class _Look(NamedTuple):
@@ -455,9 +470,12 @@ class _Gap:
     def looked_at(self, reach: Operand) -> _Look:
         """reach: length of the step that first went beyond a contact [s], 0: this one does not try to land there."""
         h, bent = self.h, self.bent
+        # beyond its zero already, by rounding or where it has turned back at once, and on its way farther
+        inside = (self.gap <= 0.0) & (self.rate <= 0.0)
         close = largest(self.slight, SHARP * reach * abs(self.end_rate))
+        close = select(inside, largest(close, TURNS_BACK * abs(self.gap)), close)
         arrives = (self.end_rate < 0.0) & (abs(self.end) <= close)
-        low = least(self.gap, 0.0) - select(arrives, close, self.slight)
+        low = select(inside, 0.0, least(self.gap, 0.0)) - select(arrives, close, self.slight)
         margin = self.missed + self.fifth * h**4 * h / 3840.0
         smooth = self.turning * h <= gap_search.WHOLE_TURN
         proven = smooth & (self.curve.lowest(margin) >= self.size * low)
@@ -465,7 +483,9 @@ class _Gap:
         chord = nearest - 0.125 * select(self.shut, bent, self.bend) * h * h >= low
         free = proven | chord | (abs(self.rate + self.end_rate) >= bent * h)
         allowed = CAUTION * root(8.0 * largest(nearest - low, LITTLE) / largest(bent, LITTLE))
-        return _Look(arrives, self.end < low, free, allowed, self.curve.zero(), self.curve.beyond())
+        soon = least(0.5, abs(self.gap) / largest(h * abs(self.rate), LITTLE))
+        zero = select(inside, largest(soon, LEAST_SOON), self.curve.zero())
+        return _Look(arrives, self.end < low, free | (arrives & inside), allowed, zero, self.curve.beyond())
 
 
 def _one(on: Flag) -> Operand:
@@ -498,6 +518,7 @@ class Turned(NamedTuple):
     still: Operand  # 1: no time passes in the next trip
     landing: Operand  # number of tries that were to end at a contact
     lost: Flag  # a flag: the lane does not get on
+    unkept: Flag  # its stages have failed too often
 
 
 class Lane(NamedTuple):
@@ -570,6 +591,7 @@ class Meeting:
             "closing": select(turns, _one(closes), select(still, 0.0, lane["closing"])),
             "hit length": select(hit & (landing <= 0.0), h, lane["hit length"]),
             "free length": select(turns & closes, largest(reach, 0.5 * lane["free length"]), lane["free length"]),
+            "unsound": lane["unsound"] + _one(flags.running & apply("not", flags.kept)),
             **{
                 name: lane[name] + _one(flags.running & event)
                 for name, event in zip(COUNTED, (cut & apply("not", hit), hit | comes | missed, turns), strict=True)
@@ -591,8 +613,10 @@ class Meeting:
             *(values[name] for name in LANE),
         ]  # fmt: skip
         unsound = flags.running & still & (self.hits | self.decides) & apply("not", self.struck.sound > 0.0)
-        lost = (landings > float(MOST_LANDINGS)) | (count > float(MOST_TURNS)) | unsound
-        return Turned(state, ahead, _one(turns | (flags.good & waits)), landings, lost)
+        missed_one = flags.good & (met.deep > 0.0)  # see `solvers.contacts.penetration`
+        lost = missed_one | (landings > float(MOST_LANDINGS)) | (count > float(MOST_TURNS)) | unsound
+        unkept = values["unsound"] > float(MOST_UNSOUND)
+        return Turned(state, ahead, _one(turns | (flags.good & waits)), landings, lost, unkept)
 
     def _held(self, still: Flag) -> list[tuple[list[Operand], list[Operand]]]:
         """HELD_STARTS of the next step, and those of this one."""

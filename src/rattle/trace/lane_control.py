@@ -128,10 +128,12 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         lane = Lane(running, good, fits, still, control[-1], ahead, control[len(CONTROL) - len(PLAN) + 1], kept)
         turned = meeting.turn(proposed, lane)
         reached = select(turned.lost, float(Status.CONTACTS), reached)
+        reached = select(turned.unkept, float(Status.ASSUMPTION), reached)
         ahead = turned.ahead
     landed = good & last
     number = number + _one(landed)
-    reached = select(landed & (number >= float(len(stops.instants))), float(Status.DONE), reached)
+    ends = landed & (number >= float(len(stops.instants))) & (reached < 0.0)
+    reached = select(ends, float(Status.DONE), reached)
     going = _one(running & (reached < 0.0))
     plan = _plan(stops, adaptive, landed, number, control[len(CONTROL) - len(PLAN) :])
     plan[0], plan[4] = select(good, t_new, t), plan[4] + _one(good & apply("not", landed))
