@@ -132,8 +132,8 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         ahead = turned.ahead
     landed = good & last
     number = number + _one(landed)
-    ends = landed & (number >= float(len(stops.instants))) & (reached < 0.0)
-    reached = select(ends, float(Status.DONE), reached)
+    through = landed & (number >= float(len(stops.instants))) & (reached < 0.0)
+    reached = select(through, float(Status.DONE), reached)
     going = _one(running & (reached < 0.0))
     plan = _plan(stops, adaptive, landed, number, control[len(CONTROL) - len(PLAN) :])
     plan[0], plan[4] = select(good, t_new, t), plan[4] + _one(good & apply("not", landed))
