@@ -1,7 +1,7 @@
 """Speed of rattle as ratios to yardsticks measured in the same run.
 
-    python benchmarks/run.py [fourbar exudyn contact stack chain kinematics pressing startup assembly lanes contact_lanes oil wear
-                              pages peers] [--repeats 7] [--keep docs/making/scoreboard.toml]
+    python benchmarks/run.py [fourbar exudyn contact stack chain kinematics pressing startup assembly lanes
+                              contact_lanes oil wear pages peers] [--repeats 7] [--keep docs/making/scoreboard.toml]
 
 A ratio is rattle's time divided by the yardstick's; the aim is a time, a ratio or both.
 """
