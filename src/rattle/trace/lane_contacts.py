@@ -156,8 +156,8 @@ class Met:
     """What a step says of contacts.
 
     It is cut, and how long the next try is; it is cut as it went beyond a contact; time from its end to the next
-    contact, about; an open one is deep in its wall; by contact, that it turns at the end; largest forces in it; of those
-    that forces hold, that nothing is left of their reserve, and a height of bounces that are not followed.
+    contact, about; an open one is deep in its wall; by contact, that it turns at the end; largest forces in it; of
+    those that forces hold, that nothing is left of their reserve, and a height of bounces that are not followed.
     """
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
