@@ -411,7 +411,7 @@ def _reserve_at(
     bend = 2.0 * (start + end) - 4.0 * middle
     rises = end - start - bend
     curve = _Polynomial([start, rises, bend], rises + 2.0 * bend)
-    size = largest(most, largest(abs(start), abs(end)))
+    size = largest(largest(most, abs(middle)), largest(abs(start), abs(end)))
     slight = largest(SLIGHT * size, floor)
     close = largest(slight, SHARP * reach / largest(h, LITTLE) * abs(curve.ends))
     arrives = ((curve.ends < 0.0) & (abs(end) <= close)) | ((reach > 0.0) & (abs(end) <= NOTHING_LEFT * size))
