@@ -243,6 +243,96 @@ def test_examples_are_what_they_are_alone(example, name, t_end, outputs):
     assert_alike(m, {name: value * np.array([0.995, 1.0])}, outputs, t_end, rel=2e-6, abs=1e-9, rtol=1e-10)
 
 
+def test_a_pin_with_friction_slides_sticks_and_comes_back():
+    """Slips that begin and end within one step are among these."""
+    m = rt.loads(slider_crank(RIGID))
+    samples = {"c": 5e-4 * np.array([0.935, 1.083, 1.087, 1.1])}
+    assert_alike(m, samples, ["count(B.contacts)", "final(slider.x)", LOST], 0.021, rel=1e-5, abs=1e-9, rtol=1e-10)
+
+
+ROW = """
+format = 1
+parameters = { e = 1.0, gap = 0.0 }
+ground.points.O = [0, 0]
+bodies.a = { points = { C = [0, 0] }, mass = 1, inertia = 1 }
+bodies.b = { points = { C = [0, 0] }, mass = 1, inertia = 1 }
+bodies.c = { points = { C = [0, 0] }, mass = 1, inertia = 1 }
+joints.ra = { type = "prismatic", connect = ["ground.O", "a.C"], axis = 0, angle = 0 }
+joints.rb = { type = "prismatic", connect = ["ground.O", "b.C"], axis = 0, angle = 0 }
+joints.rc = { type = "prismatic", connect = ["ground.O", "c.C"], axis = 0, angle = 0 }
+joints.ab = { type = "surface", connect = ["b.C", "a.C"], axis = "90 deg", contact = { model = "impact", restitution = "e" } }
+joints.bc = { type = "surface", connect = ["c.C", "b.C"], axis = "90 deg", contact = { model = "impact", restitution = "e" } }
+initial.a = { x = -0.3, vx = 1 }
+initial.b = { x = 0, vx = 0 }
+initial.c = { x = "gap", vx = 0 }
+"""  # noqa: E501
+
+
+def test_what_touches_without_a_force_takes_part_in_impacts():
+    """Newton's law for all that touch: b+ - a+ = e, c+ = b+, and their momentum."""
+    e = np.array([1.0, 0.5, 0.0])
+    outputs = ["final(a.vx)", "final(b.vx)", "final(c.vx)", "count(ab.contacts)"]
+    _, (a, b, c, count) = side_by_side(rt.loads(ROW), {"e": e}, outputs, 0.5, **FINE)
+    assert b - a == pytest.approx(e, abs=1e-12)
+    assert c == pytest.approx(b, abs=1e-12)
+    assert a + b + c == pytest.approx(1.0, abs=1e-12)
+    assert list(count) == [1, 1, 1]
+
+
+def test_a_stack_comes_to_rest():
+    second = """
+[bodies.top]
+points = { C = [0, 0] }
+mass = 2
+inertia = 1
+[joints.guide]
+type = "prismatic"
+connect = ["ground.O", "top.C"]
+axis = "90 deg"
+angle = 0
+[joints.pair]
+type = "surface"
+connect = ["ball.C", "top.C"]
+axis = 0
+contact = { model = "impact", restitution = "e" }
+[initial]
+top = { y = "2.5*h", vy = 0 }
+ball = { y = "h", vy = 0 }
+"""
+    text = ball(h=0.1).replace('initial.ball = { y = "h", vy = 0 }\n', "") + second
+    e = np.array([0.0, 0.3, 0.5])
+    outputs = ["final(ball.y)", "final(top.y)", LOST, "final(rail.stop)", "final(pair.normal)"]
+    _, (y, top, lost, below, between) = side_by_side(rt.loads(text), {"e": e}, outputs, 1.0, **FINE)
+    assert np.abs([y, top]).max() < 1e-12
+    assert lost == pytest.approx(G * (0.1 + 2 * 0.25), rel=1e-9)
+    assert below == pytest.approx(3 * G, rel=1e-9)
+    assert between == pytest.approx(2 * G, rel=1e-9)
+
+
+def test_other_restitution_laws_run_alone():
+    text = slider_crank(RIGID.replace('"e"', '"e", restitution_law = "poisson"'))
+    found = rt.loads(text).many({"c": [5e-4]}, t_end=3e-4, outputs=["count(B.contacts)"])
+    assert 'run side by side with restitution_law = "newton" only' in found.stats["how"]
+
+
+def test_a_one_way_clutch_takes_and_lets_go():
+    """T on one shaft catches the other one, then turns both: w = 2 + T (t - 2/T)/3."""
+    text = """
+format = 1
+parameters.T = 1.0
+ground.points.O = [0, 0]
+bodies.one = { points = { C = [0, 0] }, mass = 1, inertia = 1 }
+bodies.two = { points = { C = [0, 0] }, mass = 1, inertia = 2 }
+joints.p = { type = "revolute", connect = ["ground.O", "one.C"] }
+joints.q = { type = "revolute", connect = ["ground.O", "two.C"] }
+joints.way = { type = "clutch", connect = ["one", "two"], model = "ideal" }
+loads.push = { type = "torque", body = "one", torque = "T*cos(2*t)" }
+initial = { one = { angle = 0, omega = 0 }, two = { angle = 0, omega = 0.2 } }
+"""
+    outputs = ["final(two.omega)", "final(one.angle)", "max(way.torque)", "count(way.contacts)"]
+    assert_alike(rt.loads(text), {"T": np.array([1.0, 2.0, 4.0])}, outputs, 3.0)
+
+
 def test_a_start_in_touch_counts_from_what_holds_there():
     """Its accelerations are not those of a free fall; a start that is pressed in runs alone."""
     m = rt.loads(block())
