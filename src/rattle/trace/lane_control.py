@@ -12,8 +12,9 @@ from typing import NamedTuple
 from rattle.language.recorded import Flag, Operand
 from rattle.solvers.step_size import LEAST
 from rattle.trace.graph import apply, both, select
-from rattle.trace.lane_contacts import Lane, Meeting, Meets
+from rattle.trace.lane_contacts import Meets
 from rattle.trace.lane_methods import PLAN, PLANNED, Recorded, flag, inputs, least
+from rattle.trace.lane_turns import Lane, Meeting
 from rattle.trace.reductions import Ledger, Step
 
 VERDICT = ("ahead", "accepted")  # see `judge`

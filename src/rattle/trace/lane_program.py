@@ -14,8 +14,9 @@ from rattle.trace import lane_methods as methods
 from rattle.trace.graph import Graph
 from rattle.trace.lane_aside import results
 from rattle.trace.lane_chain import Chain, Function, one_by_one
-from rattle.trace.lane_contacts import Meets, Tile, meet, middle
+from rattle.trace.lane_contacts import Meets
 from rattle.trace.lane_control import Stops, settle
+from rattle.trace.lane_gaps import Tile, meet, middle
 from rattle.trace.lane_methods import Method, Tolerances
 from rattle.trace.lane_rows import laid_out
 from rattle.trace.reductions import Energies, Ledger, Reduction

@@ -1,0 +1,286 @@
+"""What a step of lanes says of contacts: which turn at its end, and a proof that none does before.
+
+The proof takes the bounds of `solvers.contacts.gap_search`: the chord, a rate that cannot turn, or a polynomial.  Its
+polynomial, a quartic through values and rates at both ends and the value midway, is off by the fifth derivative, which
+is bounded for bodies that turn evenly; to that comes what the rate midway shows of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle.jit import layout as at
+from rattle.language.recorded import Flag, Operand
+from rattle.solvers.contacts import gap_search
+from rattle.solvers.contacts.penetration import DEEP
+from rattle.solvers.nonsmooth.impacts import LOW, LOW_OF_GAP
+from rattle.trace.graph import apply, both, select
+from rattle.trace.lane_contacts import Ends, Meets, Row, Touch, one
+from rattle.trace.lane_methods import Method, Recorded, inputs, largest, least, root
+from rattle.trace.lane_polynomials import FAR, LITTLE, Polynomial, Quartic
+from rattle.trace.peak import peak
+from rattle.trace.recorded_rigid import select_flag
+from rattle.trace.recording import Recorder
+
+SHARP = 1e-11  # share of the step that first went beyond a contact by which the instant of the contact may be missed
+RESOLVED = 1e-7  # share of a position by which it must change for the change to tell rates
+CAUTION = 0.7  # share of the longest step that a bound allows which is tried next
+LEAST_SHARE, MOST_SHARE = 0.2, 0.5  # of a step in doubt that is tried next
+TURNS_BACK, LEAST_SOON = 4.0, 1e-3  # depth at which it turns, as a share of that so far; share of the step tried next
+SLIGHT = 1e-12  # share of a force, or of a slip, that may be rounding
+NOTHING_LEFT = 1e-10  # share of it that counts as none where a step is to end with it
+
+
+def middle(method: Method, ny: int, nq: int, watched: int) -> Recorded:
+    """Blocks as in `checks` up to the last stage: t and y midway, positions by the quintic, rates by its slope."""
+    size = ny + 2 + watched
+    graph, row = inputs((4 + method.stages) * size)
+    end, step, start, first, last = (row[k * size : (k + 1) * size] for k in (0, 1, 2, 3, 3 + method.stages))
+    h, state = step[0], [start[0] + 0.5 * step[0]]
+    for i in range(1, 1 + ny):
+        y0, y1, f0, f1 = start[i], end[i], first[i], last[i]
+        if i <= nq:
+            bends = first[nq + i] + last[nq + i]
+            state.append(0.5 * (y0 + y1) + h * (0.15625 * (f0 - f1) + h * (0.015625 * bends)))
+        elif i <= 2 * nq:
+            here, there = start[i - nq], end[i - nq]
+            usual = 1.875 * (there - here) / h - 0.4375 * (y0 + y1) + 0.03125 * h * (f1 - f0)
+            told = h * (abs(y0) + abs(y1)) > RESOLVED * (abs(here) + abs(there))
+            state.append(select(told, usual, 0.5 * (y0 + y1) + 0.125 * h * (f0 - f1)))
+        else:
+            state.append(0.5 * (y0 + y1) + 0.125 * h * (f0 - f1))
+    return graph, state
+
+
+class Tile(NamedTuple):
+    """Where groups of rows stand in a tile."""
+
+    places: dict[str, slice]
+    size: int  # rows in all
+
+
+def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Recorded:
+    """All rows of a tile: the rows of `Met`."""
+    graph, row = inputs(tile.size)
+    group = {name: row[place] for name, place in tile.places.items()}
+    touch, ends, midway = Touch(meets, group["touch"]), Ends(meets, group["ends"]), group["midway"]
+    h, still = group["planned"][0], group["control"][-2]
+    reach = select(group["control"][-1] > 0.0, touch.lane["hit length"], 0.0)
+    recorder = Recorder(graph)
+    m = _step_arrays(tile, meets, method, ny, watched, row)
+    hit: Flag = False
+    doubt: Flag = False
+    short: Operand = h
+    theta: Operand = FAR
+    due: Operand = FAR
+    deep: Flag = False
+    near: list[Flag] = []
+    spent: list[Flag] = []
+    low: list[Operand] = []
+    for n in range(meets.n):
+        m.contact_kinematics[n, at.ACROSS] = ends.across[n]
+        code = touch.shut[n]
+        shut: Flag = (code > 0.5) & (code < 1.5)
+        released: Flag = False
+        if n in meets.held and n not in meets.rigid:
+            released = code > 1.5
+        gap = _Gap(
+            recorder, m, n, shut | released, h, (touch.gap[n], touch.rate[n]), (ends.gap[n], ends.rate[n]),
+            (midway[n], midway[meets.n + n]),
+        )  # fmt: skip
+        deep = deep | ((code < 0.5) & (gap.end < -DEEP * m.lever[n, at.GAP_SCALE]))
+        looks = [gap.looked_at(reach)]
+        if n in meets.held:
+            k, first = meets.held.index(n), 2 * meets.n + len(meets.peaks)
+            values = [
+                (touch.held[name][k], midway[first + place * len(meets.held) + k], ends.held[name][k],
+                 touch.held[f"most {name}"][k], floor)
+                for place, (name, floor) in enumerate((
+                    ("pressed", ends.held["faint"][k]),
+                    ("reserve", select(apply("equal", touch.speed[n], 0.0), 2.0 * ends.held["faint"][k], 0.0)),
+                ))
+            ]  # fmt: skip
+            looks = _held_looks(meets, n, looks[0], values, h, reach, shut, released)
+            spent.append(looks[1].arrives)
+            low.append(gap.low_bounce(m, n))
+        for look in looks:
+            hit, doubt = hit | look.below, doubt | apply("not", look.free)
+            theta = select(look.below, least(theta, look.zero), theta)
+            short = select(
+                look.free, short, least(short, least(MOST_SHARE * h, largest(look.allowed, LEAST_SHARE * h)))
+            )
+            due = least(due, look.due * h)
+        near.append(looks[0].arrives)
+    moves = apply("not", still > 0.0)
+    cut = moves & (hit | doubt)
+    turned, ended = (
+        [one(both(graph, [moves, apply("not", hit | doubt), flag])) for flag in flags] for flags in (near, spent)
+    )
+    forces = [
+        peak([
+            Quartic(touch.force[k], h * touch.change[k], midway[2 * meets.n + k], ends.force[k],
+                     h * ends.change[k]).value(0.25 * part)
+            for part in range(5)
+        ])
+        for k in range(len(meets.peaks))
+    ]  # fmt: skip
+    return graph, [
+        one(cut),
+        select(hit, theta * h, short),
+        one(moves & hit),
+        due,
+        one(deep),
+        *turned,
+        *forces,
+        *ended,
+        *low,
+    ]
+
+
+class _Look(NamedTuple):
+    """What a step shows of a curve that is positive while a contact stays as it is."""
+
+    arrives: Flag  # it is zero at the end: the contact turns
+    below: Flag  # it is beyond zero at the end
+    free: Flag  # it has no zero before
+    allowed: Operand  # step that bounds allow [s]
+    zero: Operand  # where its first zero is about, if it is beyond: a share of the step
+    due: Operand  # where its next zero is about: shares of the step after its end
+
+    def instead_of(self, other: _Look, shut: Flag) -> _Look:
+        """This one where a contact is shut, the other one elsewhere."""
+        flags = [select_flag(shut, a, b) for a, b in zip(self[:3], other[:3], strict=True)]
+        return _Look(*flags, *(select(shut, a, b) for a, b in zip(self[3:], other[3:], strict=True)))
+
+
+_NOTHING = _Look(False, False, True, FAR, FAR, FAR)
+
+
+def _held_looks(
+    meets: Meets, n: int, gap: _Look, values: Sequence[tuple[Operand, ...]], h: Operand,
+    reach: Operand, shut: Flag, released: Flag,
+) -> list[_Look]:  # fmt: skip
+    """What a step shows of a contact that ends where its force does, and whether it slips or sticks no longer.
+
+    A compliant one that is without force inside its wall may push again instead; an open clutch waits for its rate.
+    """
+    pressed, reserve = (_reserve_at(h, reach, *row) for row in values)
+    if meets.table[n, at.LEVEL]:
+        return [pressed.instead_of(_NOTHING, shut), reserve.instead_of(_NOTHING, apply("not", shut))]
+    looks = [pressed.instead_of(gap, shut)]
+    if n in meets.rigid:
+        return [*looks, reserve.instead_of(_NOTHING, shut)]
+    start, middle, end, most, floor = values[0]
+    again = _reserve_at(h, reach, -start, -middle, -end, most, floor)
+    return [*looks, again.instead_of(_NOTHING, released)]
+
+
+def _reserve_at(
+    h: Operand, reach: Operand, start: Operand, middle: Operand, end: Operand, most: Operand, floor: Operand
+) -> _Look:
+    """What three values say of the force of a rigid contact, or of what keeps it slipping or sticking.
+
+    most: size that it has had; floor: size that may be rounding.
+    """
+    bend = 2.0 * (start + end) - 4.0 * middle
+    rises = end - start - bend
+    curve = Polynomial([start, rises, bend], rises + 2.0 * bend)
+    size = largest(largest(most, abs(middle)), largest(abs(start), abs(end)))
+    slight = largest(SLIGHT * size, floor)
+    close = largest(slight, SHARP * reach / largest(h, LITTLE) * abs(curve.ends))
+    arrives = ((curve.ends < 0.0) & (abs(end) <= close)) | ((reach > 0.0) & (abs(end) <= NOTHING_LEFT * size))
+    arrives = arrives & (size > floor)
+    close = select(arrives, largest(close, NOTHING_LEFT * size), slight)
+    low = least(start, 0.0) - close
+    turns = (bend > 0.0) & (rises < 0.0) & (curve.ends > 0.0)
+    lowest = least(least(start, end), least(middle, select(turns, start - 0.25 * rises * rises / bend, middle)))
+    return _Look(arrives, end < low, lowest >= low, 0.0, curve.zero(), curve.beyond())
+
+
+class _Gap:
+    """The gap of one contact in a step of length h, as a curve that is positive while the contact stays as it is.
+
+    The gap of a pin turns with its normal, so that it is no polynomial; |e|^2 is smoother.  So of a round of radius c
+    the curve is c^2 - |e|^2 = g (2 c - g), or |e|^2 - c^2 outside of it.
+    """
+
+    def __init__(
+        self, recorder: Recorder, m: SimpleNamespace, n: int, shut: Flag, h: Operand, start: tuple[Operand, Operand],
+        last: tuple[Operand, Operand], midway: tuple[Operand, Operand],
+    ) -> None:  # fmt: skip
+        """start, last, midway: gap and its rate."""
+        (gap, rate), (end, end_rate) = start, last
+        bounds, sweep, rounding = (
+            recorder.recorded(f.python) for f in (gap_search.bounds, gap_search.sweep, gap_search.rounding)
+        )
+        side, self.h, self.shut = select(shut, -1.0, 1.0), h, shut
+        self.gap, self.rate, self.end, self.end_rate = (side * x for x in (gap, rate, end, end_rate))
+        self.bend, _, self.turning, _ = bounds(m, h, n)
+        turns, distance = sweep(m, n, self.bend, h, select(shut, 0.0, largest(self.gap, self.end)))
+        self.bent = self.bend + turns * turns * distance
+        self.slight = rounding(m, n)
+        rounded, radius = float(m.lever[n, at.ROUNDED]), m.lever[n, at.GAP_SCALE]
+        way = {0.0: 0.0, 1.0: -1.0, 2.0: 1.0}[rounded]
+
+        def smooth(g: Operand, change: Operand) -> tuple[Operand, Operand]:
+            if not way:
+                return side * g, side * h * change
+            return side * g * (2.0 * radius + way * g), side * h * 2.0 * (radius + way * g) * change
+
+        left, right = smooth(gap, rate), smooth(end, end_rate)
+        halfway, slope = smooth(*midway)
+        self.curve = Quartic(left[0], left[1], halfway, right[0], right[1])
+        self.size = 2.0 * radius if way else 1.0  # of the curve to the gap next to zero
+        self.missed = abs(slope - self.curve.slope(0.5))
+        w, e = self.turning, self.bend
+        self.fifth = e * w * w * w  # a bound of the fifth derivative
+        if way:
+            speed = root(end_rate * end_rate + m.contact_kinematics[n, at.ACROSS] ** 2) + e * h
+            away = radius + largest(abs(gap), abs(end)) + 0.125 * e * h * h
+            self.fifth = e * w * (20.0 * e + w * (10.0 * speed + w * (2.0 * away)))
+
+    def low_bounce(self, m: SimpleNamespace, n: int) -> Operand:
+        """Height of a bounce that is not followed [m or rad], see `solvers.nonsmooth.impacts`."""
+        known = largest(LOW * m.lever[n, at.GAP_SCALE], LOW_OF_GAP * m.lever[n, at.GAP_SIZE])
+        return largest(known, self.slight)
+
+    def looked_at(self, reach: Operand) -> _Look:
+        """reach: length of the step that first went beyond a contact [s], 0: this one does not try to land there."""
+        h, bent = self.h, self.bent
+        # beyond its zero already, by rounding or where it has turned back at once, and on its way farther
+        inside = (self.gap <= 0.0) & (self.rate <= 0.0)
+        close = largest(self.slight, SHARP * reach * abs(self.end_rate))
+        close = select(inside, largest(close, TURNS_BACK * abs(self.gap)), close)
+        arrives = (self.end_rate < 0.0) & (abs(self.end) <= close)
+        low = select(inside, 0.0, least(self.gap, 0.0)) - select(arrives, close, self.slight)
+        margin = self.missed + self.fifth * h**4 * h / 3840.0
+        smooth = self.turning * h <= gap_search.WHOLE_TURN
+        proven = smooth & (self.curve.lowest(margin) >= self.size * low)
+        nearest = least(self.gap, self.end)
+        chord = nearest - 0.125 * select(self.shut, bent, self.bend) * h * h >= low
+        free = proven | chord | (abs(self.rate + self.end_rate) >= bent * h)
+        allowed = CAUTION * root(8.0 * largest(nearest - low, LITTLE) / largest(bent, LITTLE))
+        soon = least(0.5, abs(self.gap) / largest(h * abs(self.rate), LITTLE))
+        zero = select(inside, largest(soon, LEAST_SOON), self.curve.zero())
+        return _Look(arrives, self.end < low, free | (arrives & inside), allowed, zero, self.curve.beyond())
+
+
+def _step_arrays(
+    tile: Tile, meets: Meets, method: Method, ny: int, watched: int, row: Sequence[Operand]
+) -> SimpleNamespace:
+    """What `gap_search` reads of a step."""
+    size, blocks, state = ny + 2 + watched, row[tile.places["blocks"]], row[tile.places["state"]]
+    block = [blocks[k * size + 1 : k * size + 1 + ny] for k in range(4 + method.stages)]
+    levers = [[state[x.place] if isinstance(x, Row) else x for x in entry] for entry in meets.lever]
+    stepper = np.zeros(at.width("stepper"), dtype=int)
+    stepper[at.SLOPES] = method.stages + 1
+    return SimpleNamespace(
+        contact=meets.table, lever=np.array(levers, dtype=object), change=np.zeros(meets.nq), stepper=stepper,
+        state=np.array(block[2], dtype=object), state_new=np.array(block[0], dtype=object),
+        slopes=np.array(block[3:], dtype=object),
+        contact_kinematics=np.zeros((meets.n, at.width("contact_kinematics")), dtype=object),
+    )  # fmt: skip

@@ -1,0 +1,242 @@
+"""What a trip of a lane leaves of its contacts: which are shut, the step to try next, and whether it gets on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+from rattle.jit import layout as at
+from rattle.language.recorded import Flag, Operand
+from rattle.solvers.contacts.contact_events import AFTER_CONTACT, FIRST_STEP
+from rattle.solvers.nonsmooth.impacts import NOTICED
+from rattle.trace.graph import apply, select
+from rattle.trace.lane_contacts import COUNTED, LANE, Ends, Meets, Met, Struck, Touch, one
+from rattle.trace.lane_methods import largest, least
+from rattle.trace.lane_polynomials import FAR
+from rattle.trace.recorded_rigid import DECIDES, HITS, OPEN
+from rattle.trace.reductions import Touches
+
+LEAVES = 2.0  # speed of a rigid contact whose force has just ended
+RELEASED = 2.0  # of a compliant contact: without force inside its wall
+SOON = 0.5  # share of that step within which a contact is landed on that was not reached
+NEARER = 0.7  # share of the way to a contact that a step takes where all of it is too much: a force ends with a kink
+MOST_LANDINGS, MOST_TURNS = 200, 60  # tries that do not land; turns at one instant
+MOST_UNSOUND = 60  # tries of a run with stages that are not sound, as some are that go far beyond a contact
+AT_ONCE = 1e-13  # share of the time within which turns are at one instant
+SHORTEST_LANDING = 2e-15  # share of the time that a step to a contact takes at least
+
+
+class Turned(NamedTuple):
+    """What a lane goes on with."""
+
+    touch: list[Operand]
+    ahead: Operand  # the step to try next [s]
+    still: Operand  # 1: no time passes in the next trip
+    landing: Operand  # number of tries that were to end at a contact
+    lost: Flag  # a flag: the lane does not get on
+    unkept: Flag  # its stages have failed too often
+
+
+class Lane(NamedTuple):
+    """What else is known of a lane after a trip."""
+
+    running: Flag
+    good: Flag  # its step counts
+    fits: Flag  # its error is small enough
+    still: Flag  # it took no time
+    landing: Operand
+    ahead: Operand  # the step that its error allows next [s]
+    planned: Operand  # that which was to follow
+    kept: Flag  # its stages are sound
+
+
+class Meeting:
+    """The contacts of a lane in one trip."""
+
+    def __init__(
+        self, meets: Meets, touch: Sequence[Operand], ends: Sequence[Operand], met: Sequence[Operand],
+        struck: Sequence[Operand],
+    ) -> None:  # fmt: skip
+        self.meets, self.touch, self.ends = meets, Touch(meets, touch), Ends(meets, ends)
+        self.met, self.struck = Met(meets, met), Struck(meets, struck)
+        self.near = [x > 0.0 for x in self.met.near]
+        self.shut = [(x > 0.5) & (x < 1.5) for x in self.touch.shut]
+        hits = [self.touch.shut[n] for n in meets.rigid]
+        self.hits, self.decides = _any((x > 1.5) & (x < 2.5) for x in hits), _any(x > 2.5 for x in hits)
+
+    @property
+    def touches(self) -> Touches:
+        """What the trip tells the reductions of contacts."""
+        begins = [near & (code < 0.5) for near, code in zip(self.near, self.touch.shut, strict=True)]
+        for k, n in enumerate(self.meets.held):  # one that pushes again, and a clutch that takes
+            again = (self.met.spent[k] > 0.0) & apply("not", self.shut[n])
+            begins[n] = begins[n] | again
+        hardest: Operand = 0.0
+        for impulse in self.struck.impulse:
+            hardest = largest(impulse, hardest)
+        speeds = [largest(-x, 0.0) for x in self.ends.rate]
+        for n, impulse in zip(self.meets.rigid, self.struck.impulse, strict=True):
+            struck = self.hits & (impulse > NOTICED * hardest)
+            begins[n] = begins[n] | struck if self.meets.table[n, at.LEVEL] else struck
+            speeds[n] = largest(-self.touch.rate[n], 0.0)
+        return Touches(begins, speeds, self.shut, dict(zip(self.meets.peaks, self.met.peaks, strict=True)))
+
+    def turn(self, planned: Sequence[Operand], flags: Lane) -> Turned:
+        """What a trip to t leaves of the contacts; its step has the length h [s]."""
+        h, t, still, touch, met = planned[0], planned[1], flags.still, self.touch, self.met
+        lane, landing = touch.lane, flags.landing
+        rigid = self.meets.rigid
+        closes = _any(near & (touch.shut[n] < 0.5) for n, near in enumerate(self.near) if n not in rigid)
+        strikes = _any(self.near[n] & apply("not", self.shut[n]) for n in rigid)
+        turns = flags.good & (_any(self.near) | _any(x > 0.0 for x in met.spent))
+        reach = select(landing > 0.0, lane["hit length"], h)
+        hit = (met.hit > 0.0) & flags.kept  # also where an error is too large: beyond its contact a curve has a kink
+        cut = hit | (flags.fits & (met.cut > 0.0))
+        lands = landing > 0.0
+        comes = lands & flags.good & apply("not", turns | still) & (met.due <= SOON * lane["hit length"])
+        missed = lands & apply("not", hit | flags.fits)
+        ahead = select(comes, met.due, self._ahead(h, flags, hit, cut, missed))
+        landings = select(turns | still, 0.0, select(hit | comes | missed, landing + 1.0, 0.0))
+        first = select(lane["closing"] > 0.0, least(flags.planned, FIRST_STEP * self._lasting()), flags.planned)
+        after = select(closes | strikes, reach, largest(reach, AFTER_CONTACT * lane["free length"]))
+        ahead = select(landings > 0.0, largest(ahead, SHORTEST_LANDING * t), ahead)
+        ahead = select(turns, after, select(still, first, ahead))
+        again = (t - lane["turned at"]) <= AT_ONCE * t
+        count = select(turns, select(again, lane["turns"] + 1.0, 1.0), lane["turns"])
+        values = {
+            "closing": select(turns, one(closes), select(still, 0.0, lane["closing"])),
+            "hit length": select(hit & (landing <= 0.0), h, lane["hit length"]),
+            "free length": select(turns & closes, largest(reach, 0.5 * lane["free length"]), lane["free length"]),
+            "unsound": lane["unsound"] + one(flags.running & apply("not", flags.kept)),
+            **{
+                name: lane[name] + one(flags.running & event)
+                for name, event in zip(COUNTED, (cut & apply("not", hit), hit | comes | missed, turns), strict=True)
+            },
+            "turns": count, "turned at": select(turns, t, lane["turned at"]),
+        }  # fmt: skip
+        shut, speed = self._states(flags.good & still, strikes)
+        waits = _any(shut[n] > 2.5 for n in rigid) | (still & self.decides)
+        state = [
+            *self._moved(flags.good, shut, touch.shut), *self._moved(flags.good, speed, touch.speed),
+            *(
+                x
+                for new, old in (
+                    (self.ends.gap, touch.gap), (self.ends.rate, touch.rate), (self.ends.force, touch.force),
+                    (self.ends.change, touch.change), *self._held(still),
+                )
+                for x in self._moved(flags.good, new, old)
+            ),
+            *(values[name] for name in LANE),
+        ]  # fmt: skip
+        unsound = flags.running & still & (self.hits | self.decides) & apply("not", self.struck.sound > 0.0)
+        missed_one = flags.good & (met.deep > 0.0)  # see `solvers.contacts.penetration`
+        lost = missed_one | (landings > float(MOST_LANDINGS)) | (count > float(MOST_TURNS)) | unsound
+        unkept = values["unsound"] > float(MOST_UNSOUND)
+        return Turned(state, ahead, one(turns | (flags.good & waits)), landings, lost, unkept)
+
+    def _held(self, still: Flag) -> list[tuple[list[Operand], list[Operand]]]:
+        """HELD_STARTS of the next step, and those of this one."""
+        pairs, sizes = [], []
+        for name in ("pressed", "reserve"):
+            ends, most = self.ends.held[name], self.touch.held[f"most {name}"]
+            pairs.append((ends, self.touch.held[name]))
+            sizes.append(([select(still, abs(x), largest(abs(x), y)) for x, y in zip(ends, most, strict=True)], most))
+        return [*pairs, *sizes]
+
+    def _ahead(self, h: Operand, flags: Lane, hit: Flag, cut: Flag, missed: Flag) -> Operand:
+        """The step to try next [s] if no contact turns."""
+        whole = flags.fits | (flags.ahead >= self.met.ahead)
+        ahead = select(cut, select(hit & apply("not", whole), NEARER * self.met.ahead, self.met.ahead), flags.ahead)
+        return select(missed, largest(flags.ahead, NEARER * h), ahead)
+
+    def _lasting(self) -> Operand:
+        """The shortest time that a contact will last about [s]."""
+        lasting: Operand = FAR
+        for shut, x in zip(self.shut, self.ends.lasting, strict=True):
+            lasting = select(shut & (x > 0.0), least(lasting, x), lasting)
+        return lasting
+
+    def _states(self, still: Flag, strikes: Flag) -> tuple[list[Operand], list[Operand]]:
+        """What contacts are after a good trip, and their speeds; still: it took no time."""
+        shut, speed = list(self.touch.shut), list(self.touch.speed)
+        for n in range(self.meets.n):
+            if n not in self.meets.rigid:
+                shut[n], speed[n] = self._compliant(n)
+        ended = _any(
+            (self.near[n] & self.shut[n]) | (self.met.spent[self.meets.held.index(n)] > 0.0) for n in self.meets.rigid
+        )
+        again = self._again()
+        for n in self.meets.rigid:
+            shut[n], speed[n] = self._rigid(n, still, strikes, ended, again)
+        return shut, speed
+
+    def _again(self) -> dict[int, Flag]:
+        """Rigid contacts that decide once more though nothing has hit: those that others hold down to a bounce that is
+        not followed, which shows only once these are shut, and with them all that are shut."""
+        quiet = apply("not", self.hits | self.decides)
+        low = {}
+        for n in self.meets.rigid:
+            k = self.meets.held.index(n)
+            at_wall = (self.touch.shut[n] < 0.5) & (self.ends.gap[n] <= self.met.low[k])
+            at_wall = at_wall & (self.touch.speed[n] < LEAVES)
+            level = bool(self.meets.table[n, at.LEVEL])
+            low[n] = False if level else quiet & at_wall & self._low(n, k)
+        some = _any(low.values())
+        return {n: flag | (some & self.shut[n]) for n, flag in low.items()}
+
+    def _low(self, n: int, k: int) -> Flag:
+        """Whether a contact at its wall leaves it by less than is followed."""
+        rises, bend = self.ends.held["calm"][k], self.ends.held["bend"][k]
+        return (bend < 0.0) & (rises >= 0.0) & (rises * rises <= -2.0 * bend * self.met.low[k])
+
+    def _compliant(self, n: int) -> tuple[Operand, Operand]:
+        """What a compliant contact is after a trip, and its approach speed."""
+        code, near = self.touch.shut[n], self.near[n]
+        begins = near & (code < 0.5)
+        after = select(code > 0.5, 0.0, 1.0)
+        if n in self.meets.held:
+            again = self.met.spent[self.meets.held.index(n)] > 0.0
+            after = select(self.shut[n] & (self.ends.gap[n] < 0.0), RELEASED, after)
+            after, near, begins = select(again, 1.0, after), near | again, begins | again
+        speed = select(begins, largest(-self.ends.rate[n], 0.0), self.touch.speed[n])
+        return select(near, after, code), speed
+
+    def _rigid(
+        self, n: int, still: Flag, strikes: Flag, ended: Flag, again: dict[int, Flag]
+    ) -> tuple[Operand, Operand]:
+        """What a rigid contact is after a trip, and the sense of its slip."""
+        touch, near, k, r = self.touch, self.near[n], self.meets.held.index(n), self.meets.rigid.index(n)
+        end = {name: rows[k] for name, rows in self.ends.held.items()}
+        level, spent = bool(self.meets.table[n, at.LEVEL]), self.met.spent[k] > 0.0
+        # at the end of a step
+        goes, way = touch.shut[n], touch.speed[n]
+        part = (touch.shut[n] < 0.5) | self.shut[n] if level else self.shut[n]
+        goes = select(part & strikes, HITS, select(self.shut[n] & ended, DECIDES, goes))
+        goes = select(near, select(self.shut[n], OPEN, HITS), goes)
+        way = select(near, select(self.shut[n], LEAVES, 0.0), select(touch.shut[n] < 0.5, 0.0, way))
+        broken = select(end["tangent"] > 0.0, 1.0, -1.0)  # the force on B along t is -T: it begins to slip so
+        way = select(spent, select(apply("equal", way, 0.0), broken, 0.0), way)
+        goes = select(spent, DECIDES, goes) if level else goes
+        # after an impact, and after a decision
+        rises, took_part = end["calm"], touch.shut[n] > 0.5
+        low = rises <= 0.0
+        if not level:
+            low = low | self._low(n, k)
+        after = select(took_part & low, DECIDES, OPEN)
+        sense = select(end["slip"] > 0.0, 1.0, select(end["slip"] < 0.0, -1.0, 0.0))
+        shut = select(self.decides, self.struck.shut[r], select(again[n], DECIDES, touch.shut[n]))
+        slide = select(again[n] & (touch.shut[n] < 0.5), sense, touch.speed[n])
+        slide = select(self.decides & (touch.shut[n] > 0.5), self.struck.slide[r], slide)
+        shut, slide = select(self.hits, after, shut), select(self.hits, sense, slide)
+        return select(still, shut, goes), select(still, slide, way)
+
+    @staticmethod
+    def _moved(good: Flag, new: Sequence[Operand], old: Sequence[Operand]) -> list[Operand]:
+        return [select(good, a, b) for a, b in zip(new, old, strict=True)]
+
+
+def _any(flags: Iterable[Flag]) -> Flag:
+    result: Flag = False
+    for flag in flags:
+        result = result | flag
+    return result
