@@ -7,6 +7,7 @@ import pytest
 
 import rattle as rt
 from balls import G, ball
+from rattle.analyses.straight_line.starts import Starts
 from rattle.studies.runs.task import task_of
 
 FINE = {"rtol": 1e-11, "atol": 1e-14}
@@ -341,6 +342,88 @@ def test_a_start_in_touch_counts_from_what_holds_there():
     found = sunk.many({"k": [1e5]}, t_end=0.1, outputs=["final(ball.y)"])
     assert "is pressed into a wall at its start" in found.stats["how"]
     assert not found.messages
+
+
+def test_a_pin_that_starts_at_its_wall_but_for_rounding_is_in_contact():
+    m = rt.example("slider_crank_worn")
+    samples = {"c": 30e-6 * np.linspace(0.99, 1.01, 16)}  # by rounding half of the offsets [c, 0] are beyond the wall
+    outputs = ["count(B.contacts)", "final(slider.vx)", "final(energy.balance)", "time(B.contacts, 1)"]
+    _, values = side_by_side(m, samples, outputs, 0.002, rtol=1e-10)
+    some = slice(None, None, 5)
+    single = alone(m, {"c": samples["c"][some]}, outputs[:2], 0.002, rtol=1e-10)
+    assert values[:2, some] == pytest.approx(single, rel=1e-8)
+    assert (values[0] == 1.0).all()
+    assert np.abs(values[2:]).max() < 1e-8
+
+
+def test_starts_of_gears_follow_from_their_parameters(monkeypatch):
+    """None is put together by itself."""
+    monkeypatch.setattr(Starts, "assemble", None)
+    m = rt.example("gear_rattle")
+    samples = {"R_1": 0.03 * np.linspace(0.99, 1.01, 5)}
+    outputs = ["final(idle.angle)", "time(mesh.contacts, 3)"]
+    _, values = side_by_side(m, samples, outputs, 0.05, rtol=1e-10)
+    monkeypatch.undo()
+    assert values == pytest.approx(alone(m, samples, outputs, 0.05, rtol=1e-10), rel=1e-7)
+
+
+SHAKEN = """
+format = 1
+gravity = [0, -10]
+parameters = { F = 15.0, w = 20.0, later = 2.0 }
+ground.points.O = [0, 0]
+bodies.ball = { points = { C = [0, 0] }, mass = 1, inertia = 1 }
+joints.rail = { type = "prismatic", connect = ["ground.O", "ball.C"], axis = "90 deg", angle = 0, stop = STOP }
+loads.push = { type = "force", at = "ball.C", force = [0, "LOAD"] }
+initial.ball = { y = 0, vy = 0 }
+""".replace("STOP", '{ min = 0, contact = { model = "impact", restitution = 0 } }')
+
+
+@pytest.mark.parametrize("load", ["F*cos(w*t)", "4*F*exp(-((t - later)/0.02)**2)"])
+@pytest.mark.parametrize("rtol", [1e-6, 1e-11])
+def test_what_rests_is_lifted_by_every_load_that_exceeds_its_weight(load, rtol):
+    """At rest nothing in the state limits a step."""
+    samples = {"F": np.array([11.0, 15.0, 19.0]), "w": np.array([5.0, 20.0, 57.0])}
+    outputs = ["count(rail.contacts)", "final(energy.dissipated)"]
+    assert_alike(rt.loads(SHAKEN.replace("LOAD", load)), samples, outputs, 3.0, rel=1e-5, rtol=rtol)
+
+
+def test_a_clutch_is_struck_shut_at_the_start():
+    """The first one evens out its bodies, which makes the second one take as well."""
+    bodies = "".join(
+        f"""
+bodies.{name} = {{ points.C = [0, 0], mass = 1, inertia = 1 }}
+joints.on_{name} = {{ type = "revolute", connect = ["ground.O", "{name}.C"] }}
+initial.{name} = {{ angle = 0, omega = "{name}_speed" }}"""
+        for name in ("one", "two", "three")
+    )
+    m = rt.loads(f"""
+format = 1
+parameters = {{ one_speed = 0.0, two_speed = -1.0, three_speed = -0.9 }}
+ground.points.O = [0, 0]{bodies}
+joints.first = {{ type = "clutch", connect = ["one", "two"], model = "ideal" }}
+joints.second = {{ type = "clutch", connect = ["two", "three"], model = "ideal" }}
+""")
+    speeds = np.array([[0.0, -1.0, -0.9], [0.0, 0.1, -1.0], [0.0, -1.0, 0.2]]).T
+    outputs = ["final(one.omega)", "final(two.omega)", "final(three.omega)"]
+    names = ("one_speed", "two_speed", "three_speed")
+    _, values = side_by_side(m, dict(zip(names, speeds, strict=True)), outputs, 0.1)
+    expected = np.array([[-1.9 / 3] * 3, [-0.3] * 3, [-0.5, -0.5, 0.2]]).T
+    assert values == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_force_that_is_largest_at_the_touch_is_the_peak():
+    m = rt.loads(ball('{ model = "hertz", stiffness = "k", exponent = 1, damping = 1000 }', h=0.05))
+    _, values = side_by_side(m, {"k": [1e4, 1e5]}, ["peak(rail.contacts, 1)"], 0.12)
+    assert values == pytest.approx(1000 * math.sqrt(2 * G * 0.05), rel=1e-7)
+
+
+@pytest.mark.parametrize("usual", [0.5, 3.0])
+def test_the_range_of_a_stop_is_free(usual):
+    m = rt.loads(SHAKEN.replace("LOAD", "20").replace("min = 0", 'min = 0, max = "later"'))
+    samples = {"later": np.array([0.3, 0.9, 1.1, 2.5, 1000.0])}
+    _, (place,) = side_by_side(m.set(later=usual), samples, ["final(ball.y)"], 1.0)
+    assert place == pytest.approx([0.3, 0.9, 1.1, 2.5, 5.0], rel=1e-9)
 
 
 @pytest.mark.parametrize("contact", [f'{{ model = "lankarani-nikravesh", {PRESSED} }}', RIGID])

@@ -20,7 +20,7 @@ import numpy as np
 from rattle.interfaces.fields import Field, Fields
 from rattle.jit import layout as at
 from rattle.language.local_function import LocalFunction
-from rattle.language.recorded import hypot
+from rattle.language.recorded import hypot, least
 
 Dimensions = Mapping[str, tuple[float, ...]]
 Corners = Mapping[str, tuple[float, float]]  # of B, by name, from its mass centre [m]
@@ -265,7 +265,7 @@ class StopKind(ContactGeometry):
     @staticmethod
     def scale(p: Sequence[float], size: float) -> float:
         """The range between the ends, but no more than the size."""
-        return min(size, p[at.POINTS + 1] - p[at.POINTS])
+        return least(size, p[at.POINTS + 1] - p[at.POINTS])
 
     @staticmethod
     def sense(corner: int) -> int:

@@ -22,6 +22,7 @@ FLAGS = ("curves sound", "curves finite", "kept", "sound", "finite")  # see `cur
 CONTROL = ("running", "status", "number", "steps", "tries", *PLAN)  # of a lane; number: of the next stop
 RUNNING, STATUS, NUMBER, STEPS, TRIES = range(5)
 SHORTENED = 1e-9  # share of a run: a shorter try whose stages fail beside a contact fails by itself
+SHORT = 2000.0  # steps of a run where long ones would miss something
 GOING_ON = -1.0  # status of a lane that is running
 
 
@@ -109,8 +110,8 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         samples = [[select(still, row[-1], x) for x in row] for row in samples]
     crossings = {curve: (crossed[2 * n], crossed[2 * n + 1]) for n, curve in enumerate(ledger.conditions)}
     seen = dict(zip(ledger.watched, zip(shown, shown[len(ledger.watched) :], strict=False), strict=True))
-    touches = None if meeting is None else meeting.touches
     at_start = still & (t_new <= 0.0) if meets is not None else False
+    touches = None if meeting is None else meeting.touches(at_start)
     rows, asks = ledger.advance(Step(h, t, t_new, number, last, samples, crossings, seen, touches), held, at_start)
     accounted = flag(graph, rows[ledger.sound_row]) if ledger.sound_row is not None else True
     reached: Operand = GOING_ON
@@ -130,7 +131,8 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         turned = meeting.turn(proposed, lane)
         reached = select(turned.lost, float(Status.CONTACTS), reached)
         reached = select(turned.unkept, float(Status.ASSUMPTION), reached)
-        ahead = turned.ahead
+        rests = meeting.rests(turned.touch)
+        ahead = select(rests, least(turned.ahead, stops.instants[-1] / SHORT), turned.ahead)
     landed = good & last
     number = number + _one(landed)
     through = landed & (number >= float(len(stops.instants))) & (reached < 0.0)

@@ -120,12 +120,12 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
     turned, ended = (
         [one(both(graph, [moves, apply("not", hit | doubt), flag])) for flag in flags] for flags in (near, spent)
     )
-    forces = [
-        peak([
+    forces = [  # of a trip that takes no time the force that there is from then on
+        select(still > 0.0, ends.force[k], peak([
             Quartic(touch.force[k], h * touch.change[k], midway[2 * meets.n + k], ends.force[k],
                      h * ends.change[k]).value(0.25 * part)
             for part in range(5)
-        ])
+        ]))
         for k in range(len(meets.peaks))
     ]  # fmt: skip
     return graph, [

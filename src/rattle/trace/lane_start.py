@@ -6,10 +6,12 @@ import numpy as np
 
 from rattle.jit import layout as at
 from rattle.solvers.nonsmooth.event_driven import START_NEAR
-from rattle.trace.lane_contacts import HELD_STARTS, Ends, Row
+from rattle.trace.lane_contacts import HELD_STARTS, LANE, Ends, Meets, Row
 from rattle.trace.lane_control import Status
 from rattle.trace.lane_program import Program
 from rattle.trace.recorded_rigid import DECIDES, HITS, OPEN
+
+AT_WALL = 1e-9  # share of its scale by which a contact may be in its wall at the start by rounding
 
 
 class Stock:
@@ -95,9 +97,16 @@ class Stock:
         any_hits = np.any([*hits.values(), np.zeros(self.n, dtype=bool)], axis=0)
         for n in meets.rigid:
             rests = np.where(any_hits, HITS, DECIDES)
-            self.touch[n] = np.where(hits[n], HITS, np.where(near[n], rests, OPEN))
+            open_ = np.where(any_hits, HITS, OPEN) if meets.table[n, at.LEVEL] else OPEN  # a clutch may be struck shut
+            self.touch[n] = np.where(hits[n], HITS, np.where(near[n], rests, open_))
             self.touch[count + n] = np.where(near[n], np.sign(np.asarray(held[n]["slip"], dtype=float)), 0.0)
             self.still[near[n]] = 1.0
+        at_once = self._shut(meets, rows, state)
+        apart |= at_once & ~self.still.astype(bool)
+        self.touch[:count][at_once] = 1.0
+        self.touch[count : 2 * count][at_once] = np.maximum(-rows[count : 2 * count], 0.0)[at_once]
+        self.still[at_once.any(axis=0)] = 1.0
+        self.touch[LANE.index("closing") - len(LANE)] = at_once.any(axis=0)
         first = count * 4 + 2 * len(meets.peaks)
         for place, name in enumerate(HELD_STARTS):
             for k, n in enumerate(meets.held):
@@ -105,6 +114,17 @@ class Stock:
                 self.touch[first + place * len(held) + k] = np.abs(value) if name.startswith("most ") else value
         self.constants[: 2 * count] = self.touch[: 2 * count]
         return np.asarray(apart.all(axis=0))
+
+    @staticmethod
+    def _shut(meets: Meets, rows: np.ndarray, state: np.ndarray) -> np.ndarray:
+        """(n contacts, n) True of compliant ones that start at their walls, inside them by no more than rounding."""
+        at_wall = np.zeros((meets.n, rows.shape[1]), dtype=bool)
+        for n in range(meets.n):
+            if n not in meets.rigid and not meets.table[n, at.LEVEL]:
+                scale = meets.lever[n][at.GAP_SCALE]
+                size = state[scale.place] if isinstance(scale, Row) else scale
+                at_wall[n] = (rows[n] <= 0.0) & (rows[n] >= -AT_WALL * size)
+        return at_wall
 
     @property
     def evaluations(self) -> int:

@@ -64,13 +64,15 @@ class Meeting:
         hits = [self.touch.shut[n] for n in meets.rigid]
         self.hits, self.decides = _any((x > 1.5) & (x < 2.5) for x in hits), _any(x > 2.5 for x in hits)
 
-    @property
-    def touches(self) -> Touches:
-        """What the trip tells the reductions of contacts."""
+    def touches(self, at_start: Flag) -> Touches:
+        """What the trip tells the reductions of contacts; at_start: it is the one that takes no time at the start."""
         begins = [near & (code < 0.5) for near, code in zip(self.near, self.touch.shut, strict=True)]
         for k, n in enumerate(self.meets.held):  # one that pushes again, and a clutch that takes
             again = (self.met.spent[k] > 0.0) & apply("not", self.shut[n])
             begins[n] = begins[n] | again
+        for n in range(self.meets.n):
+            if n not in self.meets.rigid:  # it is shut from the start on
+                begins[n] = begins[n] | (at_start & self.shut[n])
         hardest: Operand = 0.0
         for impulse in self.struck.impulse:
             hardest = largest(impulse, hardest)
@@ -80,6 +82,10 @@ class Meeting:
             begins[n] = begins[n] | struck if self.meets.table[n, at.LEVEL] else struck
             speeds[n] = largest(-self.touch.rate[n], 0.0)
         return Touches(begins, speeds, self.shut, dict(zip(self.meets.peaks, self.met.peaks, strict=True)))
+
+    def rests(self, touch: Sequence[Operand]) -> Flag:
+        """Whether a rigid contact is shut: a body that rests lets steps grow, however its loads change."""
+        return _any((touch[n] > 0.5) & (touch[n] < 1.5) for n in self.meets.rigid)
 
     def turn(self, planned: Sequence[Operand], flags: Lane) -> Turned:
         """What a trip to t leaves of the contacts; its step has the length h [s]."""

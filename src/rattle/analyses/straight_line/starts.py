@@ -49,6 +49,7 @@ class Starts:
     def __init__(self, model: RecordedModel, compile_function: Compile) -> None:
         self.model = model
         self._assembled = 0  # starts
+        self._set = len(model.first.constants) - 1 if model.first else 0  # constants; those of contacts are others
         self._readable, *self._first = (compile_function(*lowered) for lowered in _lowered(model))
 
     def begin(self, values: np.ndarray) -> Begun:
@@ -150,9 +151,9 @@ class Starts:
                 if not moving.any():
                     break
             for count_constants in count_from:
-                set_ = np.empty((len(self.model.constants) + 1, len(fill)))
+                set_ = np.empty((self._set + 1, len(fill)))
                 count_constants(inputs, set_)
-                inputs[last:-1] = set_[:-1]
+                inputs[last : last + self._set] = set_[:-1]
                 good &= set_[-1] == 1.0
             close_rates(inputs, rates)
             self._readable(inputs, readable)

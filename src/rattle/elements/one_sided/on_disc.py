@@ -23,6 +23,7 @@ from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import COINCIDENT
 from rattle.language.local_function import LocalFunction
+from rattle.language.recorded import least
 from rattle.registry import kind
 
 RADIUS = SHAPE
@@ -105,7 +106,7 @@ class InHollow(OnDisc):
     @staticmethod
     def scale(p: Sequence[float], size: float) -> float:
         """What B may move in it [m], but no more than the size."""
-        return min(size, p[RADIUS] - p[ROLLER])
+        return least(size, p[RADIUS] - p[ROLLER])
 
     @staticmethod
     def bends(fields: Fields, constants: Sequence[float]) -> tuple[float, float, float]:

@@ -31,7 +31,7 @@ from rattle.jit import layout as at
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import COINCIDENT, turn_x, turn_y
 from rattle.language.local_function import LocalFunction
-from rattle.language.recorded import cos, hypot, sin
+from rattle.language.recorded import cos, hypot, least, sin
 from rattle.registry import kind
 
 ALONG_X, ALONG_Y, HALF = range(SHAPE, SHAPE + 3)
@@ -151,7 +151,7 @@ class OverSegment(OnSegment):
     @staticmethod
     def scale(p: Sequence[float], size: float) -> float:
         """The length of the segment, but no more than the size."""
-        return min(size, 2.0 * p[HALF])
+        return least(size, 2.0 * p[HALF])
 
     @staticmethod
     def suits(fields: Fields) -> bool:

@@ -64,8 +64,10 @@ class StartDerivatives:
         moved[parameters] = chosen.directions
         if self._constants is not None:
             _, counted = self._constants(x, moved)
-            chosen = chosen._replace(constant_rates=counted[:-1])
-            moved[parameters.stop : -1] = counted[:-1]
+            changing = chosen.constant_rates.copy()  # of contacts there are others, which do not change
+            changing[: len(counted) - 1] = counted[:-1]
+            chosen = chosen._replace(constant_rates=changing)
+            moved[parameters.stop : -1] = changing
         _, rates = self._close_rates(x, moved)
         z = np.zeros((len(y), 1 + k))
         z[:, 0] = y

@@ -32,7 +32,7 @@ from rattle.trace import lane_methods, lanes
 from rattle.trace.copying import bind
 from rattle.trace.elementary import lower
 from rattle.trace.lane_batch import Tallies
-from rattle.trace.lane_control import Status
+from rattle.trace.lane_control import SHORT, Status
 from rattle.trace.lane_program import MOST_STEPS, Program
 from rattle.trace.reductions import EXTREMES
 
@@ -41,7 +41,6 @@ DRIVEN = ("kinematics", "inverse-dynamics")  # a motion that drivers determine: 
 BESIDE = 0.1  # share of what a pivot usually is at least that it may be, with equations solved more exactly
 EVENT_DRIVEN = "event"  # the method of models with rigid contacts: steps of the usual one, which end at events
 MAY_TOWER = 0.5  # share of what is too high above the mean, as what is usual may be less than that
-SHORT = 2000  # steps of a run where long ones would miss something
 
 
 class Together(NamedTuple):
