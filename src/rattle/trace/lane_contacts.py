@@ -44,6 +44,7 @@ class Meets(NamedTuple):
     struck: Function  # of a state: y and what `Struck` says
     peaks: tuple[int, ...] = ()  # contacts whose largest forces are asked for
     held: tuple[int, ...] = ()  # rigid contacts, and those that end where their force does
+    pulsates: bool = False  # loads may change faster than what moves
 
     @property
     def n(self) -> int:

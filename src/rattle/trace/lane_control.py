@@ -131,8 +131,9 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         turned = meeting.turn(proposed, lane)
         reached = select(turned.lost, float(Status.CONTACTS), reached)
         reached = select(turned.unkept, float(Status.ASSUMPTION), reached)
-        rests = meeting.rests(turned.touch)
-        ahead = select(rests, least(turned.ahead, stops.instants[-1] / SHORT), turned.ahead)
+        ahead = turned.ahead
+        if meets is not None and meets.pulsates:
+            ahead = select(meeting.rests(turned.touch), least(ahead, stops.instants[-1] / SHORT), ahead)
     landed = good & last
     number = number + _one(landed)
     through = landed & (number >= float(len(stops.instants))) & (reached < 0.0)

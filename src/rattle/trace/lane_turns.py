@@ -84,7 +84,7 @@ class Meeting:
         return Touches(begins, speeds, self.shut, dict(zip(self.meets.peaks, self.met.peaks, strict=True)))
 
     def rests(self, touch: Sequence[Operand]) -> Flag:
-        """Whether a rigid contact is shut: a body that rests lets steps grow, however its loads change."""
+        """Whether a rigid contact is shut: steps grow while a body rests, however its loads change."""
         return _any((touch[n] > 0.5) & (touch[n] < 1.5) for n in self.meets.rigid)
 
     def turn(self, planned: Sequence[Operand], flags: Lane) -> Turned:

@@ -11,6 +11,7 @@ import numpy as np
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.analyses.straight_line.recorded_start import driven_bodies
 from rattle.analyses.straight_line.starts import Starts
+from rattle.description import model as description
 from rattle.equations.state import state_layout
 from rattle.equations.system import System
 from rattle.jit.choices import TINY
@@ -150,8 +151,7 @@ def needs_short_steps(outputs: Sequence[Output], model: RecordedModel) -> bool:
     inside, signals = model.system.model, model.system.model.signals
     if any(_brief(reduction, signals) for reduction in sampled):
         return True
-    values = [value for load in inside.loads.values() for value in load.values]
-    if any(_brisk(value, signals) for value in values if isinstance(value, Apply | Name)):
+    if _pulsates(inside):
         return True
     driven = driven_bodies(model.system, model.start)
     loaded = {point.body for load in inside.loads.values() for point in (load.a, load.b)}
@@ -164,6 +164,12 @@ def _brief(reduction: Any, signals: Container[str]) -> bool:
     peak = isinstance(inner, Apply) and inner.name in PEAKS.get(reduction.kind, ())
     parts = inner.operands if peak else (inner,)
     return reduction.kind in CONDITIONS or any(_brisk(part, signals) for part in parts)
+
+
+def _pulsates(model: description.Model) -> bool:
+    """Whether loads, or gravity, may change faster than what moves."""
+    values = [*(model.falling or ()), *(value for load in model.loads.values() for value in load.values)]
+    return any(_brisk(value, model.signals) for value in values if isinstance(value, Apply | Name))
 
 
 def _brisk(node: Node, signals: Container[str]) -> bool:
@@ -288,7 +294,10 @@ class _Met:
         table = self.model.system.arrays["contact"]
         width = len(values) // len(table)
         entries = [values[n * width : (n + 1) * width] for n in range(len(table))]
-        return Meets(table, entries, 3 * self.model.system.body_count, touched, midway, struck, self.peaks, self.held)
+        return Meets(
+            table, entries, 3 * self.model.system.body_count, touched, midway, struck, self.peaks, self.held,
+            _pulsates(self.model.system.model),
+        )  # fmt: skip
 
 
 def _number(graph: Graph, x: Operand) -> float:
