@@ -310,6 +310,13 @@ ball = { y = "h", vy = 0 }
     assert between == pytest.approx(2 * G, rel=1e-9)
 
 
+def test_a_flank_that_has_just_let_go_does_not_knock_by_rounding():
+    """Its gap opens with the third power of time."""
+    m = rt.example("gear_rattle").set(drag=0.1593)
+    outputs = ["count(mesh.contacts)", "time(mesh.contacts, 2)", "speed(mesh.contacts, 2)"]
+    assert_alike(m, {"e": [0.0], "A": [2.8667e-4]}, outputs, 0.15, rel=1e-5, rtol=1e-9)
+
+
 def test_other_restitution_laws_run_alone():
     text = slider_crank(RIGID.replace('"e"', '"e", restitution_law = "poisson"'))
     found = rt.loads(text).many({"c": [5e-4]}, t_end=3e-4, outputs=["count(B.contacts)"])

@@ -77,11 +77,21 @@ class Meeting:
         for impulse in self.struck.impulse:
             hardest = largest(impulse, hardest)
         speeds = [largest(-x, 0.0) for x in self.ends.rate]
+        falls = self._falls()
         for n, impulse in zip(self.meets.rigid, self.struck.impulse, strict=True):
-            struck = self.hits & (impulse > NOTICED * hardest)
-            begins[n] = begins[n] | struck if self.meets.table[n, at.LEVEL] else struck
             speeds[n] = largest(-self.touch.rate[n], 0.0)
+            struck = self.hits & (impulse > NOTICED * hardest) & falls
+            begins[n] = begins[n] | struck if self.meets.table[n, at.LEVEL] else struck
         return Touches(begins, speeds, self.shut, dict(zip(self.meets.peaks, self.met.peaks, strict=True)))
+
+    def _falls(self) -> Flag:
+        """Whether a contact hits as from a height that is followed: one that has just opened may touch by rounding."""
+        some: Flag = False
+        for n in self.meets.rigid:
+            k, speed = self.meets.held.index(n), largest(-self.touch.rate[n], 0.0)
+            fallen = speed * speed > 2.0 * abs(self.ends.held["bend"][k]) * self.met.low[k]
+            some = some | (fallen if not self.meets.table[n, at.LEVEL] else speed > 0.0)
+        return some
 
     def rests(self, touch: Sequence[Operand]) -> Flag:
         """Whether a rigid contact is shut: steps grow while a body rests, however its loads change."""
