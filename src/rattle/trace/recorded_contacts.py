@@ -25,7 +25,7 @@ from rattle.solvers.contacts.contact_events import push
 from rattle.solvers.contacts.gap_search import rate_rounding
 from rattle.trace.graph import Graph, Symbol, both, select
 from rattle.trace.recorded_language import Copies
-from rattle.trace.recorded_rigid import RigidContacts, Struck
+from rattle.trace.recorded_rigid import RigidContacts, Struck, power
 from rattle.value_types import Plain
 
 FIRST_DEPTH = 2.0**-20  # from which that is looked for where a contact turns back [m or rad]
@@ -258,7 +258,7 @@ class RecordedContacts:
         )
         rate, slip = m.contact_kinematics[n, at.DGAP], m.contact_kinematics[n, at.SLIP]
         push, away, _ = _response(m, self._copies, n, 1.0, 0.0)
-        g_nn, b_n = _power(push, away), -(1.0 + e) * rate
+        g_nn, b_n = power(push, away), -(1.0 + e) * rate
         if self.lasts[n]:  # with its restitution, and without
             ways = []
             for normal in (b_n / g_nn, -rate / g_nn):
@@ -270,7 +270,7 @@ class RecordedContacts:
                 f'impacts with friction (joint {self.joints[n]}) have derivatives with restitution_law = "newton" only'
             )
         pull, along, _ = _response(m, self._copies, n, 0.0, -1.0)  # along the slip of B
-        g_nt, g_tt, b_t = _power(push, along), _power(pull, along), -(1.0 + e_t) * slip
+        g_nt, g_tt, b_t = power(push, along), power(pull, along), -(1.0 + e_t) * slip
         det = g_nn * g_tt - g_nt * g_nt
 
         def way(normal: Operand, tangent: Operand, *conditions: Flag) -> Impact:
@@ -328,14 +328,6 @@ def _response(
     change, reaction = m.acceleration.copy(), m.multiplier.copy()
     m.force[:], m.rows[:, at.GAMMA], m.acceleration[:], m.multiplier[:] = held
     return impulse, change, reaction
-
-
-def _power(impulse: np.ndarray, rates: np.ndarray) -> Operand:
-    total: Operand = 0.0
-    for place in np.ndindex(impulse.shape):
-        if place[0] > 0:
-            total = total + impulse[place] * rates[place]
-    return total
 
 
 def _positive_force(entry: Plain, arguments: tuple[object, ...]) -> Operand:

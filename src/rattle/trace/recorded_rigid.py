@@ -101,7 +101,7 @@ class RigidContacts:
                 taken = taken | flag
             push = [self._chosen(chosen, [units[n][r] for n in self.numbers]) for r in range(self.width)]
             responses = [self._respond(m, impulse) for impulse in push]
-            loose = [_power(p, r[0]) > FIXED * _power(p, p * m.weight) for p, r in zip(push, responses, strict=True)]
+            loose = [power(p, r[0]) > FIXED * power(p, p * m.weight) for p, r in zip(push, responses, strict=True)]
             slots.append(_Slot(chosen, taken, push, [x[0] for x in responses], [x[1] for x in responses], loose))
         total: Operand = 0.0
         for n in self.numbers:
@@ -139,7 +139,7 @@ class RigidContacts:
         """G: rows and columns N, T of each slot in turn."""
         pushes = [push for slot in slots for push in slot.push]
         aways = [away for slot in slots for away in slot.away]
-        return [[_power(push, away) for away in aways] for push in pushes]
+        return [[power(push, away) for away in aways] for push in pushes]
 
     def faint(self, m: SimpleNamespace, n: int) -> tuple[Operand, Operand]:
         """g'' of contact n that may be rounding [m/s^2 or rad/s^2], by its terms, and the force with which it goes."""
@@ -155,9 +155,9 @@ class RigidContacts:
         """g'' and the rate of slip of each contact by the present accelerations."""
         kinematics, normal, tangent = m.contact_kinematics, {}, {}
         for n in self.numbers:
-            normal[n] = kinematics[n, at.GAMMA_N] + _power(self._unit(m, n, 1.0, 0.0), m.acceleration)
+            normal[n] = kinematics[n, at.GAMMA_N] + power(self._unit(m, n, 1.0, 0.0), m.acceleration)
             if self.rough:
-                tangent[n] = _power(self._unit(m, n, 0.0, -1.0), m.acceleration) - kinematics[n, at.GAMMA_T]
+                tangent[n] = power(self._unit(m, n, 0.0, -1.0), m.acceleration) - kinematics[n, at.GAMMA_T]
         return normal, tangent
 
     # ---------------------------------------------------------------- forces that last
@@ -419,7 +419,8 @@ def select_flag(condition: Flag, yes: Flag, no: Flag) -> Flag:
     return (condition & yes) | (apply("not", condition) & no)
 
 
-def _power(impulse: np.ndarray, rates: np.ndarray) -> Operand:
+def power(impulse: np.ndarray, rates: np.ndarray) -> Operand:
+    """Of forces (bodies, 3) at the rates of the bodies; the ground has none."""
     total: Operand = 0.0
     for place in np.ndindex(impulse.shape):
         if place[0] > 0:
