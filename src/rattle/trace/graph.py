@@ -157,6 +157,11 @@ def select(condition: Operand, yes: Operand, no: Operand) -> Operand:
     return yes if condition else no
 
 
+def select_flag(condition: Flag, yes: Flag, no: Flag) -> Flag:
+    """`yes` where the condition holds, `no` elsewhere, of flags."""
+    return (condition & yes) | (apply("not", condition) & no)
+
+
 @overload
 def apply(op: FlagOp, *operands: Operand) -> Flag: ...
 @overload

@@ -18,12 +18,11 @@ from rattle.language.recorded import Flag, Operand
 from rattle.solvers.contacts import gap_search
 from rattle.solvers.contacts.penetration import DEEP
 from rattle.solvers.nonsmooth.impacts import LOW, LOW_OF_GAP
-from rattle.trace.graph import apply, both, select
+from rattle.trace.graph import apply, both, select, select_flag
 from rattle.trace.lane_contacts import Ends, Meets, Row, Touch, one
 from rattle.trace.lane_methods import Method, Recorded, inputs, largest, least, root
 from rattle.trace.lane_polynomials import FAR, LITTLE, Polynomial, Quartic
 from rattle.trace.peak import peak
-from rattle.trace.recorded_rigid import select_flag
 from rattle.trace.recording import Recorder
 
 SHARP = 1e-11  # share of the step that first went beyond a contact by which the instant of the contact may be missed
@@ -245,8 +244,8 @@ class _Gap:
 
     def low_bounce(self, m: SimpleNamespace, n: int) -> Operand:
         """Height of a bounce that is not followed [m or rad], see `solvers.nonsmooth.impacts`."""
-        known = largest(LOW * m.lever[n, at.GAP_SCALE], LOW_OF_GAP * m.lever[n, at.GAP_SIZE])
-        return largest(known, self.slight)
+        height = largest(LOW * m.lever[n, at.GAP_SCALE], LOW_OF_GAP * m.lever[n, at.GAP_SIZE])
+        return largest(height, self.slight)
 
     def looked_at(self, reach: Operand) -> _Look:
         """reach: length of the step that first went beyond a contact [s], 0: this one does not try to land there."""

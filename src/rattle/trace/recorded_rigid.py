@@ -18,7 +18,7 @@ Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), c
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -29,7 +29,7 @@ from rattle.equations.state import IMPULSE, LOSS, WORK, account_at, energies_at
 from rattle.jit import layout as at
 from rattle.language.recorded import Flag, Operand
 from rattle.solvers.contacts.gap_search import rate_rounding
-from rattle.trace.graph import Graph, Symbol, apply, both, select
+from rattle.trace.graph import Graph, Symbol, apply, both, select, select_flag
 from rattle.trace.recorded_language import Copies
 
 SLOTS, SMOOTH_SLOTS = 2, 3  # contacts that take part at one instant, with friction and without
@@ -69,6 +69,20 @@ class _Slot(NamedTuple):
         for n, flag in self.chosen.items():
             result = select(flag, values[n], result)
         return result
+
+
+def _value(n: int, slots: Sequence[_Slot], values: Iterable[Operand]) -> Operand:
+    """That of contact n, among the values of the slots; 0 if it does not take part."""
+    return _sum(select(slot.chosen[n], x, 0.0) for slot, x in zip(slots, values, strict=True))
+
+
+class _Try(NamedTuple):
+    """What slots do in some modes."""
+
+    modes: Sequence[int]
+    forces: list[list[Operand]]  # N and T of each
+    gains: list[Operand]  # change of rates, or accelerations, by them
+    fits: Flag
 
 
 class RigidContacts:
@@ -176,10 +190,9 @@ class RigidContacts:
                     target[place] = select(slots[0].taken, target[place], before[place])
         kinematics = m.contact_kinematics
         for n in self.numbers:
-            pressed = _sum(select(slot.chosen[n], f[0], 0.0) for slot, f in zip(slots, forces, strict=True))
-            kinematics[n, at.NORMAL] = pressed
+            kinematics[n, at.NORMAL] = _value(n, slots, (f[0] for f in forces))
             if self.rough:
-                held = _sum(select(slot.chosen[n], f[1], 0.0) for slot, f in zip(slots, forces, strict=True))
+                held = _value(n, slots, (f[1] for f in forces))
                 kinematics[n, at.TANGENT] = -held
                 sticks = apply("equal", self.slide[n], 0.0)
                 kinematics[n, at.LOSS] = select(sticks, 0.0, -held * kinematics[n, at.SLIP])
@@ -233,7 +246,8 @@ class RigidContacts:
             decides = decides | (self.state[n] > 2.5)
         rate = {n: m.contact_kinematics[n, at.DGAP] for n in self.numbers}
         slip = {n: m.contact_kinematics[n, at.SLIP] for n in self.numbers}
-        struck, met = self._solution(m, slots, [self._before(m, slot, rate, slip) for slot in slots], hits)
+        before = [self._before(m, slot, rate, slip) for slot in slots]
+        struck, met, _ = self._tried(m, slots, before, lasting=False)
         kept = self._in_modes(m, slots, [(slot.of(rate), slot.of(slip)) for slot in slots])
         impulses = [
             [select(hits, a, b) for a, b in zip(x, y_, strict=True)] for x, y_ in zip(struck, kept, strict=True)
@@ -246,12 +260,11 @@ class RigidContacts:
         slide: dict[int, Operand] = {}
         impulse: dict[int, Operand] = {}
         for n in self.numbers:
-            mode = _sum(select(slot.chosen[n], x, 0.0) for slot, x in zip(slots, modes, strict=True))
+            mode = _value(n, slots, modes)
             shut[n] = select(decides, select(mode > 0.5, SHUT, OPEN), self.state[n])
             way = select(mode < 1.5, 0.0, select(mode < 2.5, 1.0, -1.0))
             slide[n] = select(decides, select(mode > 0.5, way, 0.0), self.slide[n])
-            pressed = _sum(select(slot.chosen[n], f[0], 0.0) for slot, f in zip(slots, struck, strict=True))
-            impulse[n] = select(hits, pressed, 0.0)
+            impulse[n] = select(hits, _value(n, slots, (f[0] for f in struck)), 0.0)
         sound = enough & (met | apply("not", hits)) & (lasts | apply("not", decides))
         return Struck(state, shut, slide, impulse, sound)
 
@@ -267,44 +280,27 @@ class RigidContacts:
         normal = -(1.0 + hits * e) * slot.of(rate)
         return normal, (-(1.0 + hits * e_t) * slot.of(slip) if self.rough else 0.0)
 
-    def _solution(
-        self, m: SimpleNamespace, slots: list[_Slot], right: list[tuple[Operand, Operand]], hits: Flag
-    ) -> tuple[list[list[Operand]], Flag]:
-        f, sound, _ = self._tried(m, slots, right, lasting=False)
-        return f, sound
-
     def _tried(
         self, m: SimpleNamespace, slots: list[_Slot], right: list[tuple[Operand, Operand]], lasting: bool
     ) -> tuple[list[list[Operand]], Flag, list[Operand]]:
-        """N and T of each slot; a flag: one motion fits, whatever forces it has; modes.  right: -b.
+        """As `_first` of all combinations of modes; right: -b.
 
         lasting: contacts whose sense of slip is given keep it.
         """
-        g, w = self._matrix(slots), self.width
+        g = self._matrix(slots)
         options = [OFF, FORWARD] if not self.rough else [OFF, STICKS, FORWARD, BACKWARD]
         if lasting:  # what rests without a force stays shut: it takes part in impacts
             options = [*options[1:], OFF]
         mus = [slot.of(self._of(m, at.MU)) if self.rough else 0.0 for slot in slots]
         slides = [slot.of(dict(enumerate(self.slide))) if self.rough else 0.0 for slot in slots]
-        best: list[list[Operand]] = [[0.0] * w for _ in slots]
-        modes: list[Operand] = [0.0] * len(slots)
-        gains: list[Operand] = [0.0] * len(g)
-        found: Flag = False
-        double: Flag = False
+        tries = []
         for combination in itertools.product(options, repeat=len(slots)):
             f = self._forces(g, right, mus, combination)
             fits = both(self.graph, self._conditions(g, right, slots, mus, slides, combination, f, lasting))
             flat = [x for pair in f for x in pair]
-            does = [_sum(x * y for x, y in zip(row, flat, strict=True)) for row in g]
-            off = _sum(abs(x - y) for x, y in zip(does, gains, strict=True))
-            size = _sum(abs(x) + abs(y) for x, y in zip(does, gains, strict=True))
-            double = double | (fits & found & (off > ALIKE * size))
-            first = fits & apply("not", found)
-            best = [[select(first, a, b) for a, b in zip(x, y, strict=True)] for x, y in zip(f, best, strict=True)]
-            gains = [select(first, a, b) for a, b in zip(does, gains, strict=True)]
-            modes = [select(first, float(mode), x) for mode, x in zip(combination, modes, strict=True)]
-            found = found | fits
-        return best, found & apply("not", double), modes
+            gains = [_sum(x * y for x, y in zip(row, flat, strict=True)) for row in g]
+            tries.append(_Try(combination, f, gains, fits))
+        return _first(tries)
 
     def _forces(
         self, g: list[list[Operand]], right: list[tuple[Operand, Operand]], mus: list[Operand],
@@ -359,8 +355,8 @@ class RigidContacts:
             slips = _sum(x * y for x, y in zip(g[w * k + 1], flat, strict=True)) - right[k][1]
             away = sense * slips >= 0.0
             if lasting:
-                given = apply("not", apply("equal", slides[k], 0.0))
-                away = select_flag(given, sense * slides[k] > 0.0, away)
+                slipped = apply("not", apply("equal", slides[k], 0.0))
+                away = select_flag(slipped, sense * slides[k] > 0.0, away)
             flags.append(away)
         return flags
 
@@ -384,25 +380,29 @@ class RigidContacts:
                 state[3 * i - 3 + k] = y[3 * i - 3 + k] + placed[i, k]
                 state[place] = new
                 gained = gained + 0.5 * m.mass[i, k] * (moved[i, k] * (new + y[place]))
+        total = self._account(m, state, slots, impulses, rate, slip)
+        driven = self._copies.of(energies_at.python)(m) + WORK
+        state[driven] = state[driven] + gained - total
+        return state
+
+    def _account(
+        self, m: SimpleNamespace, state: list[Operand], slots: list[_Slot], impulses: list[list[Operand]],
+        rate: dict[int, Operand], slip: dict[int, Operand],
+    ) -> Operand:  # fmt: skip
+        """Add impulses and losses to the accounts of contacts in a state; the work of all impulses [J]."""
         g, flat = self._matrix(slots), [x for pair in impulses for x in pair]
         after = [_sum(x * f for x, f in zip(row, flat, strict=True)) for row in g]
-        total: Operand = 0.0
         works = []
         for k, slot in enumerate(slots):
             pairs = [(slot.of(rate), impulses[k][0], after[self.width * k])]
             if self.rough:
                 pairs.append((slot.of(slip), impulses[k][1], after[self.width * k + 1]))
             works.append(_sum(f * (v + 0.5 * dv) for v, f, dv in pairs))
-            total = total + works[-1]
         for n in self.numbers:
             account = self._copies.of(account_at.python)(m, n)
-            lost = _sum(select(slot.chosen[n], x, 0.0) for slot, x in zip(slots, works, strict=True))
-            pressed = _sum(select(slot.chosen[n], f[0], 0.0) for slot, f in zip(slots, impulses, strict=True))
-            state[account + LOSS] = state[account + LOSS] - lost
-            state[account + IMPULSE] = state[account + IMPULSE] + pressed
-        driven = self._copies.of(energies_at.python)(m) + WORK
-        state[driven] = state[driven] + gained - total
-        return state
+            state[account + LOSS] = state[account + LOSS] - _value(n, slots, works)
+            state[account + IMPULSE] = state[account + IMPULSE] + _value(n, slots, (f[0] for f in impulses))
+        return _sum(works)
 
     def _put_back(self, slots: list[_Slot], gaps: list[Operand]) -> list[list[Operand]]:
         """What moves the contacts that take part onto their walls."""
@@ -414,9 +414,25 @@ class RigidContacts:
         return [[x, *[0.0] * (w - 1)] for x in _solved(rows)]
 
 
-def select_flag(condition: Flag, yes: Flag, no: Flag) -> Flag:
-    """A flag by a condition."""
-    return (condition & yes) | (apply("not", condition) & no)
+def _first(tries: Sequence[_Try]) -> tuple[list[list[Operand]], Flag, list[Operand]]:
+    """N and T of each slot by the first try that fits; a flag: one motion does, whatever forces it has; its modes."""
+    forces: list[list[Operand]] = [[0.0] * len(f) for f in tries[0].forces]
+    modes: list[Operand] = [0.0] * len(forces)
+    gains: list[Operand] = [0.0] * len(tries[0].gains)
+    some: Flag = False
+    double: Flag = False
+    for this in tries:
+        off = _sum(abs(x - y) for x, y in zip(this.gains, gains, strict=True))
+        size = _sum(abs(x) + abs(y) for x, y in zip(this.gains, gains, strict=True))
+        double = double | (this.fits & some & (off > ALIKE * size))
+        first = this.fits & apply("not", some)
+        forces = [
+            [select(first, a, b) for a, b in zip(x, y, strict=True)] for x, y in zip(this.forces, forces, strict=True)
+        ]
+        gains = [select(first, a, b) for a, b in zip(this.gains, gains, strict=True)]
+        modes = [select(first, float(mode), x) for mode, x in zip(this.modes, modes, strict=True)]
+        some = some | this.fits
+    return forces, some & apply("not", double), modes
 
 
 def power(impulse: np.ndarray, rates: np.ndarray) -> Operand:
@@ -428,9 +444,9 @@ def power(impulse: np.ndarray, rates: np.ndarray) -> Operand:
     return total
 
 
-def _sum(terms: object) -> Operand:
+def _sum(terms: Iterable[Operand]) -> Operand:
     total: Operand = 0.0
-    for term in terms:  # type: ignore[attr-defined]
+    for term in terms:
         total = total + term
     return total
 
@@ -441,29 +457,37 @@ def _solved(rows: list[list[Operand]]) -> list[Operand]:
     Diagonals are raised by a share of RAISED, and what that has changed is taken back once: so equations that follow
     from others, as of two corners that stick at one wall, share what they bear.
     """
-    size = len(rows)
-    if size == 1:
+    if len(rows) == 1:
         return [rows[0][1] / rows[0][0]]
-    a = [[x * (1.0 + RAISED) if r == c else x for c, x in enumerate(row[:size])] for r, row in enumerate(rows)]
+    a = [[x * (1.0 + RAISED) if r == c else x for c, x in enumerate(row[:-1])] for r, row in enumerate(rows)]
+    factors = _eliminated(a)
+    x = _substituted(a, factors, [row[-1] for row in rows])
+    left = [row[-1] - _sum(p * q for p, q in zip(row, x, strict=False)) for row in rows]
+    return [p + q for p, q in zip(x, _substituted(a, factors, left), strict=True)]
+
+
+def _eliminated(a: list[list[Operand]]) -> dict[tuple[int, int], Operand]:
+    """Bring a (n, n) into upper triangular form; the factor by which each row was taken from each below it."""
     factors: dict[tuple[int, int], Operand] = {}
-    for c in range(size):
-        for r in range(c + 1, size):
+    for c in range(len(a)):
+        for r in range(c + 1, len(a)):
             if not _is_zero(a[r][c]):
                 factors[r, c] = a[r][c] / a[c][c]
-                for j in range(c + 1, size):
+                for j in range(c + 1, len(a)):
                     a[r][j] = a[r][j] - factors[r, c] * a[c][j]
+    return factors
 
-    def solve(b: list[Operand]) -> list[Operand]:
-        b, x = list(b), list[Operand]([0.0] * size)
-        for (r, c), factor in factors.items():
-            b[r] = b[r] - factor * b[c]
-        for r in reversed(range(size)):
-            x[r] = (b[r] - _sum(a[r][j] * x[j] for j in range(r + 1, size))) / a[r][r]
-        return x
 
-    x = solve([row[size] for row in rows])
-    left = [row[size] - _sum(p * q for p, q in zip(row, x, strict=False)) for row in rows]
-    return [p + q for p, q in zip(x, solve(left), strict=True)]
+def _substituted(
+    a: list[list[Operand]], factors: dict[tuple[int, int], Operand], right: Sequence[Operand]
+) -> list[Operand]:
+    """x by a and the factors of `_eliminated`, and the right sides."""
+    b, x = list(right), list[Operand]([0.0] * len(a))
+    for (r, c), factor in factors.items():
+        b[r] = b[r] - factor * b[c]
+    for r in reversed(range(len(a))):
+        x[r] = (b[r] - _sum(a[r][j] * x[j] for j in range(r + 1, len(a)))) / a[r][r]
+    return x
 
 
 def _is_zero(x: Operand) -> bool:
