@@ -179,9 +179,9 @@ class Batch:
         program, meets = self.program, self.program.model.meets
         if meets is None:
             return []
-        known = self._first("blocks")[: (4 + program.method.stages) * self._block]
+        step = self._first("blocks")[: (4 + program.method.stages) * self._block]
         return [
-            (program.middle, known, self._first("state")[: 1 + program.model.ny]),
+            (program.middle, step, self._first("state")[: 1 + program.model.ny]),
             (meets.midway, self._first("state"), self._first("midway")),
             (program.meet, self.memory[0], self._first("met")),
         ]  # fmt: skip

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from rattle.language.recorded import Flag, Operand
 from rattle.solvers.step_size import LEAST
 from rattle.trace.graph import apply, both, select
-from rattle.trace.lane_contacts import Meets
+from rattle.trace.lane_contacts import Meets, one
 from rattle.trace.lane_methods import PLAN, PLANNED, Recorded, flag, inputs, least
 from rattle.trace.lane_turns import Lane, Meeting
 from rattle.trace.reductions import Ledger, Step
@@ -114,15 +114,13 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
     touches = None if meeting is None else meeting.touches(at_start)
     rows, asks = ledger.advance(Step(h, t, t_new, number, last, samples, crossings, seen, touches), held, at_start)
     accounted = flag(graph, rows[ledger.sound_row]) if ledger.sound_row is not None else True
-    reached: Operand = GOING_ON
-    for fails, why in (  # the last one that holds counts
+    reached = _last(
         (tries >= float(most_steps), Status.TOO_MANY_STEPS), (accepted & apply("not", accounted), Status.ENERGY),
         (accepted & apply("not", sound & curves_sound), Status.ASSUMPTION),
         (accepted & apply("not", finite & curves_finite), Status.NOT_FINITE),
         (apply("not", kept) & (True if meeting is None else shortened), Status.ASSUMPTION),
         (short, Status.STEP_TOO_SMALL),
-    ):  # fmt: skip
-        reached = select(fails, float(why), reached)
+    )  # fmt: skip
     good = both(graph, [running, accepted, reached < 0.0])
     turned = None
     if meeting is not None:
@@ -135,23 +133,31 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         if meets is not None and meets.pulsates:
             ahead = select(meeting.rests(turned.touch), least(ahead, stops.instants[-1] / SHORT), ahead)
     landed = good & last
-    number = number + _one(landed)
+    number = number + one(landed)
     through = landed & (number >= float(len(stops.instants))) & (reached < 0.0)
     reached = select(through, float(Status.DONE), reached)
-    going = _one(running & (reached < 0.0))
+    going = one(running & (reached < 0.0))
     plan = _plan(stops, adaptive, landed, number, control[len(CONTROL) - len(PLAN) :])
-    plan[0], plan[4] = select(good, t_new, t), plan[4] + _one(good & apply("not", landed))
+    plan[0], plan[4] = select(good, t_new, t), plan[4] + one(good & apply("not", landed))
     if adaptive:
         plan[1] = select(running, ahead, plan[1])
     taken = good
     if turned is not None:
         plan[-2], plan[-1], taken = turned.still, turned.landing, good & apply("not", still)
-    controlled = [going, select(running, reached, status), number, steps + _one(taken), tries + _one(running), *plan]
+    controlled = [going, select(running, reached, status), number, steps + one(taken), tries + one(running), *plan]
     last_curves, rows = (
         [select(good, new, old) for new, old in zip(*pair, strict=True)]
         for pair in ((after[-wide:], curves), (rows, held))
     )
     return graph, [good, taken & asks, *last_curves, *(turned.touch if turned else ()), *rows, *controlled]
+
+
+def _last(*fails: tuple[Flag, Status]) -> Operand:
+    """The status of the last of these that holds; else the lane is going on."""
+    reached: Operand = GOING_ON
+    for holds, why in fails:
+        reached = select(holds, float(why), reached)
+    return reached
 
 
 def _plan(stops: Stops, adaptive: bool, landed: Flag, number: Operand, plan: Sequence[Operand]) -> list[Operand]:
@@ -164,7 +170,3 @@ def _plan(stops: Stops, adaptive: bool, landed: Flag, number: Operand, plan: Seq
         if not adaptive:
             ahead, count = select(here, stops.lengths[n], ahead), select(here, stops.counts[n], count)
     return [t, ahead, stop, base, done, count, still, landing]
-
-
-def _one(on: Flag) -> Operand:
-    return select(on, 1.0, 0.0)

@@ -70,6 +70,11 @@ class _Depth(Symbol):
         return _positive(select(size > SHALLOW, size, SHALLOW))
 
 
+def _is(value: object, number: float) -> bool:
+    """Whether a value is this number whatever the parameters."""
+    return not isinstance(value, Recorded) and value == number
+
+
 def _positive(x: Operand) -> Operand:
     return _Positive(x.graph, x.place) if isinstance(x, Symbol) else x
 
@@ -94,29 +99,31 @@ class RecordedContacts:
         self.rigid = self.table[:, at.IMPACT] == 1
         values, places = system.arrays["values"], self.table[:, at.NORMAL_P]
         mu = [values[p + at.MU] if rigid else 1.0 for p, rigid in zip(places, self.rigid, strict=True)]
-        smooth = [not isinstance(x, Recorded) and x == 0.0 for x in mu]
+        smooth = [_is(x, 0.0) for x in mu]
         self.lasts = self.rigid & np.array(smooth, dtype=bool)  # rigid ones that may stay shut: those without friction
         self.by_force = (self.table[:, at.BY_FORCE] == 1) | self.rigid  # they end where their force does, not their gap
         self.scale = [bare(x) for x in system.arrays["lever"][:, at.GAP_SCALE]]  # sizes of gaps [m or rad]
-        for n, joint in enumerate(self.joints):
-            for column, words, has in UNABLE:
-                if has(self.table[n, column]):
-                    raise TraceError(f"contacts with {words} (joint {joint}) cannot be straight-line code")
-            law = values[places[n] + at.RESTITUTION_LAW] if self.rigid[n] else NEWTON
-            alone = self.rigid.sum() == 1 and smooth[n]  # then all laws are one
-            if lanes and not alone and (isinstance(law, Recorded) or law != NEWTON):
-                raise TraceError(f'impacts (joint {joint}) run side by side with restitution_law = "newton" only')
-            torque = values[places[n] + at.MOST_TORQUE] if self.table[n, at.LEVEL] and self.rigid[n] else 0.0
-            if self.table[n, at.LEVEL] and not (lanes and not isinstance(torque, Recorded) and torque == math.inf):
-                raise TraceError(
-                    f"a clutch (joint {joint}) cannot be straight-line code, but an ideal one side by side"
-                )
+        alone = self.rigid.sum() == 1 and smooth[int(np.flatnonzero(self.rigid)[0])]  # then all laws are one
+        for n in range(len(self.joints)):
+            self._require_able(n, values, alone)
         self.shut = [graph.input() for _ in self.joints]
         self.speed = [graph.input() for _ in self.joints]
         self.is_shut = [shut > 0.5 for shut in self.shut]
         if lanes:  # of rigid ones it may be HITS, DECIDES too
             self.is_shut = [flag & (shut < 1.5) for flag, shut in zip(self.is_shut, self.shut, strict=True)]
         self._rigid: list[RigidContacts] = []
+
+    def _require_able(self, n: int, values: np.ndarray, alone: bool) -> None:
+        """Raise TraceError for a contact that cannot be recorded; alone: there is one rigid one, and it is smooth."""
+        entry, joint = self.table[n], self.joints[n]
+        for column, words, has in UNABLE:
+            if has(entry[column]):
+                raise TraceError(f"contacts with {words} (joint {joint}) cannot be straight-line code")
+        first, rigid = entry[at.NORMAL_P], self.rigid[n]
+        if self.lanes and rigid and not alone and not _is(values[first + at.RESTITUTION_LAW], NEWTON):
+            raise TraceError(f'impacts (joint {joint}) run side by side with restitution_law = "newton" only')
+        if entry[at.LEVEL] and not (self.lanes and rigid and _is(values[first + at.MOST_TORQUE], math.inf)):
+            raise TraceError(f"a clutch (joint {joint}) cannot be straight-line code, but an ideal one side by side")
 
     def __len__(self) -> int:
         return len(self.joints)

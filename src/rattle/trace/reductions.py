@@ -269,11 +269,12 @@ Tracker = Highest | Screened | Aside | Moment | Reading | Lasting | Beginning | 
 
 # ---------------------------------------------------------------- results from rows
 def _value(
-    kind: str, curve: int, instant: int, rows: Callable[[Tracker], Sequence[Operand]], t_end: float,
-    highest: Callable[[int, float], Tracker], contacts: tuple[int, ...], number: int,
+    reduction: Reduction, instant: int, rows: Callable[[Tracker], Sequence[Operand]], t_end: float,
+    highest: Callable[[int, float], Tracker],
 ) -> Operand:  # fmt: skip
+    kind, curve = reduction.kind, reduction.curve
     if kind in OF_CONTACTS:
-        return rows(Numbered(kind, contacts, number))[0 if kind == "count" else 1]
+        return rows(Numbered(kind, reduction.contacts, reduction.number))[0 if kind == "count" else 1]
     if kind in ("at", "final"):
         return rows(Reading(curve, instant))[0]
     if kind == "share":
@@ -323,8 +324,8 @@ class Ledger:
         """stops: instants at which steps end [s], the last one is the end; samples: parts of a step that end at them;
         shown: curves that stages show."""
         for reduction in reductions:
-            known = reduction.kind in OF_CONTACTS or 0 <= reduction.curve < curves
-            if reduction.kind not in KINDS or not known:
+            followed = reduction.kind in OF_CONTACTS or 0 <= reduction.curve < curves
+            if reduction.kind not in KINDS or not followed:
                 raise InputError(f"{reduction}: a kind of {', '.join(KINDS)} and a curve below {curves} expected")
         self.reductions, self.curves, self.stops = tuple(reductions), curves, tuple(stops)
         needed = watched(reductions)
@@ -400,17 +401,7 @@ class Ledger:
             symbols.append(graph.input())
         highest = Screened if self.watched else Highest
         values = [
-            _value(
-                reduction.kind,
-                reduction.curve,
-                self._instant(reduction),
-                rows,
-                self.stops[-1],
-                highest,
-                reduction.contacts,
-                reduction.number,
-            )
-            for reduction in self.reductions
+            _value(reduction, self._instant(reduction), rows, self.stops[-1], highest) for reduction in self.reductions
         ]
         return graph, values
 

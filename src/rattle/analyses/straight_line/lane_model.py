@@ -120,22 +120,22 @@ def why_not_lanes(output: Output, varied: Mapping[str, object]) -> str:
     """Why lanes cannot compute an output; "" if they can."""
     if output.ideal_names:
         return f"{output.text!r} compares with the mechanism without play"
-    for reduction in output.reductions:
-        if reduction.kind in OF_EVENTS:
-            word = reduction.inner.name.rpartition(".")[2] if isinstance(reduction.inner, Name) else ""
-            if reduction.kind not in OF_CONTACTS or word not in EVENTS_OF_CONTACT:
-                return f"{output.text!r} asks for events that only single runs tell"
-            continue
-        if reduction.kind not in KINDS:
-            return f"{reduction.kind}(...) needs a whole curve"
-        if reduction.kind in EXTREMES and any(
-            isinstance(part, Apply) and part.name in JUMPS for part in walk(reduction.inner)
-        ):
-            return f"the curve in {output.text!r} jumps"
-        if reduction.argument is not None and any(
-            isinstance(part, Name) and part.name in varied for part in walk(reduction.argument)
-        ):
-            return f"the instant in {output.text!r} differs from sample to sample"
+    return next((why for reduction in output.reductions if (why := _why_not(reduction, output.text, varied))), "")
+
+
+def _why_not(reduction: Any, text: str, varied: Mapping[str, object]) -> str:
+    """Why lanes cannot compute a reduction in the output of this text; "" if they can."""
+    if reduction.kind in OF_EVENTS:
+        word = reduction.inner.name.rpartition(".")[2] if isinstance(reduction.inner, Name) else ""
+        told = reduction.kind in OF_CONTACTS and word in EVENTS_OF_CONTACT
+        return "" if told else f"{text!r} asks for events that only single runs tell"
+    if reduction.kind not in KINDS:
+        return f"{reduction.kind}(...) needs a whole curve"
+    parts = list(walk(reduction.inner))
+    if reduction.kind in EXTREMES and any(isinstance(part, Apply) and part.name in JUMPS for part in parts):
+        return f"the curve in {text!r} jumps"
+    if reduction.argument is not None and not names(reduction.argument).isdisjoint(varied):
+        return f"the instant in {text!r} differs from sample to sample"
     return ""
 
 
