@@ -30,6 +30,7 @@ RESOLVED = 1e-7  # share of a position by which it must change for the change to
 CAUTION = 0.7  # share of the longest step that a bound allows which is tried next
 LEAST_SHARE, MOST_SHARE = 0.2, 0.5  # of a step in doubt that is tried next
 TURNS_BACK, LEAST_SOON = 4.0, 1e-3  # depth at which it turns, as a share of that so far; share of the step tried next
+KINKED = 0.1  # share of a force by which curves through it may differ that have its slopes and that have none
 SLIGHT = 1e-12  # share of a force, or of a slip, that may be rounding
 NOTHING_LEFT = 1e-10  # share of it that counts as none where a step is to end with it
 
@@ -119,14 +120,12 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
     turned, ended = (
         [one(both(graph, [moves, apply("not", hit | doubt), flag])) for flag in flags] for flags in (near, spent)
     )
-    forces = [  # of a trip that takes no time the force that there is from then on
-        select(still > 0.0, ends.force[k], peak([
-            Quartic(touch.force[k], h * touch.change[k], midway[2 * meets.n + k], ends.force[k],
-                     h * ends.change[k]).value(0.25 * part)
-            for part in range(5)
-        ]))
-        for k in range(len(meets.peaks))
-    ]  # fmt: skip
+    forces = []
+    for k in range(len(meets.peaks)):
+        largest_in_step = _largest_force(
+            touch.force[k], h * touch.change[k], midway[2 * meets.n + k], ends.force[k], h * ends.change[k]
+        )
+        forces.append(select(still > 0.0, ends.force[k], largest_in_step))  # that which holds from then on
     return graph, [
         one(cut),
         select(hit, theta * h, short),
@@ -138,6 +137,20 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
         *ended,
         *low,
     ]
+
+
+def _largest_force(start: Operand, rises: Operand, middle: Operand, end: Operand, falls: Operand) -> Operand:
+    """In a step, by values at both ends and midway, and slopes per step at the ends.
+
+    Where slopes may be infinite, as of a damper by the secant stiffness at its first touch, values alone count.
+    """
+    curve = Quartic(start, rises, middle, end, falls)
+    size = largest(largest(abs(start), abs(end)), abs(middle))
+    inside = []
+    for part, nearer, farther in ((0.25, start, end), (0.75, end, start)):
+        by_slopes, by_values = curve.value(part), 0.125 * (3.0 * nearer + 6.0 * middle - farther)
+        inside.append(select(abs(by_slopes - by_values) <= KINKED * size, by_slopes, by_values))
+    return peak([start, inside[0], middle, inside[1], end])
 
 
 class _Look(NamedTuple):

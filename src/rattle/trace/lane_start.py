@@ -11,6 +11,7 @@ from rattle.trace.lane_control import Status
 from rattle.trace.lane_program import Program
 from rattle.trace.recorded_rigid import DECIDES, HITS, OPEN
 
+LATER = 1e-3  # share of the first step after which it is seen whether a contact leaves its wall
 AT_WALL = 1e-9  # share of its scale by which a contact may be in its wall at the start by rounding
 
 
@@ -101,8 +102,9 @@ class Stock:
             self.touch[n] = np.where(hits[n], HITS, np.where(near[n], rests, open_))
             self.touch[count + n] = np.where(near[n], np.sign(np.asarray(held[n]["slip"], dtype=float)), 0.0)
             self.still[near[n]] = 1.0
-        at_once = self._shut(meets, rows, state)
-        apart |= at_once & ~self.still.astype(bool)
+        at_wall, presses = self._at_walls(meets, rows, self._later(state))
+        at_once = at_wall & presses
+        apart |= (at_wall & ~presses) | (at_once & ~self.still.astype(bool))
         self.touch[:count][at_once] = 1.0
         self.touch[count : 2 * count][at_once] = np.maximum(-rows[count : 2 * count], 0.0)[at_once]
         self.still[at_once.any(axis=0)] = 1.0
@@ -115,16 +117,26 @@ class Stock:
         self.constants[: 2 * count] = self.touch[: 2 * count]
         return np.asarray(apart.all(axis=0))
 
-    @staticmethod
-    def _shut(meets: Meets, rows: np.ndarray, state: np.ndarray) -> np.ndarray:
-        """(n contacts, n) True of compliant ones that start at their walls, inside them by no more than rounding."""
-        at_wall = np.zeros((meets.n, rows.shape[1]), dtype=bool)
-        for n in range(meets.n):
+    def _later(self, state: np.ndarray) -> np.ndarray:
+        """State a little after the start, if no contact acts."""
+        ny, later = self.program.model.ny, state.copy()
+        later[1 : 1 + ny] += LATER * self.ahead * self.rate
+        return later
+
+    def _at_walls(self, meets: Meets, rows: np.ndarray, later: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(n contacts, n) True of compliant ones that start at their walls, inside them by no more than rounding; of
+        those that move into them, or begin to."""
+        count, nq = meets.n, meets.nq
+        at_wall, presses, after = *np.zeros((2, count, self.n), dtype=bool), np.zeros_like(rows)
+        meets.touched(later, after)
+        slow = AT_WALL * np.abs(self.y[nq : 2 * nq]).max(axis=0)
+        for n in range(count):
             if n not in meets.rigid and not meets.table[n, at.LEVEL]:
-                scale = meets.lever[n][at.GAP_SCALE]
-                size = state[scale.place] if isinstance(scale, Row) else scale
+                scale, rate = meets.lever[n][at.GAP_SCALE], rows[count + n]
+                size = later[scale.place] if isinstance(scale, Row) else scale
                 at_wall[n] = (rows[n] <= 0.0) & (rows[n] >= -AT_WALL * size)
-        return at_wall
+                presses[n] = (rate < -slow) | ((rate <= slow) & (after[count + n] < rate))
+        return at_wall, presses
 
     @property
     def evaluations(self) -> int:

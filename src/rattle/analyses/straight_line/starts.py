@@ -69,10 +69,11 @@ class Starts:
         for n in np.flatnonzero(~good):
             try:
                 system, start = self.assemble(values[:, n])
-                y[:, n], own = start_state(system, start), flat(constants_of(system.model))
-                constants[: len(own), n] = own
                 if not alike[n]:
                     y[:, n], messages[int(n)] = np.nan, OTHER
+                    continue
+                y[:, n], own = start_state(system, start), flat(constants_of(system.model))
+                constants[: len(own), n] = own
             except (ModelError, AssemblyError) as error:
                 y[:, n], messages[int(n)] = np.nan, str(error)
         return Begun(y, constants, messages, ~good)
