@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from balls import RIGID as RIGID_STOP
 from balls import G, ball
 from rattle.analyses.straight_line.starts import Starts
 from rattle.studies.runs.task import task_of
@@ -425,12 +426,96 @@ def test_a_force_that_is_largest_at_the_touch_is_the_peak():
     assert values == pytest.approx(1000 * math.sqrt(2 * G * 0.05), rel=1e-7)
 
 
+@pytest.mark.parametrize("law", ["kelvin-voigt", "anagnostopoulos"])
+def test_a_force_whose_slope_is_infinite_at_the_touch_has_its_peak(law):
+    """A damper by the secant stiffness of a force that is not linear: F' grows as depth^(-3/4)."""
+    m = rt.loads(ball(f'{{ model = "{law}", stiffness = "k", exponent = 1.5, restitution = 0.5 }}', h=0.05))
+    samples = {"k": 1e5 * np.linspace(0.5, 2.0, 40)}
+    _, (peak, most) = side_by_side(m, samples, ["peak(rail.contacts, 1)", "max(abs(rail.stop))"], 0.12)
+    assert peak == pytest.approx(most, rel=1e-4)
+
+
+TURNED = """
+format = 1
+gravity = [0, -10]
+parameters = { w = 20.0, r = 0.02 }
+ground.points = { O = [0, 0], Q = [0, 0.3] }
+bodies.ball = { points.C = [0, 0], mass = 1, inertia = 1 }
+bodies.rotor = { points = { C = [0, 0], E = ["r", 0] }, mass = 1, inertia = 1e6 }
+joints.rail = { type = "prismatic", connect = ["ground.O", "ball.C"], axis = "90 deg", angle = 0, stop = STOP }
+joints.bearing = { type = "revolute", connect = ["ground.Q", "rotor.C"] }
+loads.spring = { type = "spring", connect = ["ball.C", "rotor.E"], stiffness = 1000, free_length = 0.3 }
+initial.ball = { y = 0, vy = 0 }
+MOTION
+""".replace("STOP", '{ min = 0, contact = { model = "impact", restitution = 0 } }')
+
+
+@pytest.mark.parametrize(
+    "motion", ['drivers.motor = { joint = "bearing", angle = "w*t" }', "initial.rotor = { angle = 0, omega = 'w' }"]
+)
+def test_what_rests_is_lifted_by_what_turns(motion):
+    """Once a turn, however evenly it turns: a spring of 1000 N/m to a pin on a rotor pulls by 1000 r sin(w t)."""
+    m = rt.loads(TURNED.replace("MOTION", motion))
+    samples = {"w": np.array([57.0, 20.0]), "r": np.array([0.0101, 0.0102])}
+    for rtol in (1e-6, 1e-11):
+        _, (lifts,) = side_by_side(m, samples, ["count(rail.contacts)"], 5.0, rtol=rtol)
+        assert list(lifts) == [46, 16]  # (w t + 3 pi/2)/(2 pi), whole turns
+
+
+def test_a_short_motion_of_a_driver_is_not_stepped_over():
+    """Shorter than a step: it lifts what rests below its spring, v' = A k g(t)/m - 10 by quadrature."""
+    driven = TURNED.replace('"revolute"', '"prismatic"').replace('["ground.Q", "rotor.C"]', '["ground.O", "rotor.C"]')
+    driven = driven.replace("rotor.E", "rotor.C").replace("joints.bearing = {", 'joints.bearing = { axis = "90 deg",')
+    driven = driven.replace("joints.bearing = {", "joints.bearing = { angle = 0,")
+    m = rt.loads(
+        driven.replace("MOTION", 'drivers.motor = { joint = "bearing", position = "0.3 + r*exp(-((t - 1.5)*w)**2)" }')
+    )
+    samples = {"r": np.array([0.02, 0.005]), "w": np.array([100.0, 100.0])}
+    _, (count, lost) = side_by_side(m, samples, ["count(rail.contacts)", "final(energy.dissipated)"], 3.0, rtol=1e-9)
+    assert list(count) == [1, 0]
+    assert lost == pytest.approx([0.017163, 0.0], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    "law", ['model = "hertz", damping = 20', 'model = "hertz"', 'model = "flores", restitution = 0.5']
+)
+def test_what_leaves_its_wall_at_the_start_is_no_contact(law):
+    m = rt.loads(thrown(f'{{ stiffness = "k", exponent = 1.5, {law} }}'))
+    up = np.array([1.0, 0.5])
+    _, (count, first) = side_by_side(
+        m, {"lift": up}, ["count(rail.contacts)", "time(rail.contacts, 1)"], 0.205, rtol=1e-10
+    )
+    assert first == pytest.approx(2 * up / G, rel=1e-8)
+    assert count[0] == 1
+
+
+def thrown(contact):
+    return ball(contact, h=0.0, e=0.5).replace("vy = 0", 'vy = "lift"')
+
+
+def test_slow_impacts_count_however_little_they_rise():
+    """A hop of 1e-5 m/s comes back after 2 v/g."""
+    speeds = np.array([1e-3, 1e-5])
+    outputs = ["time(rail.contacts, 1)", "speed(rail.contacts, 1)"]
+    _, (first, speed) = side_by_side(rt.loads(thrown(RIGID_STOP)), {"lift": speeds}, outputs, 0.01, **FINE)
+    assert first == pytest.approx(2 * speeds / G, rel=1e-3)
+    assert speed == pytest.approx(speeds, rel=1e-3)
+
+
 @pytest.mark.parametrize("usual", [0.5, 3.0])
 def test_the_range_of_a_stop_is_free(usual):
     m = rt.loads(SHAKEN.replace("LOAD", "20").replace("min = 0", 'min = 0, max = "later"'))
     samples = {"later": np.array([0.3, 0.9, 1.1, 2.5, 1000.0])}
     _, (place,) = side_by_side(m.set(later=usual), samples, ["final(ball.y)"], 1.0)
     assert place == pytest.approx([0.3, 0.9, 1.1, 2.5, 5.0], rel=1e-9)
+
+
+@pytest.mark.parametrize("contact", [f'{{ model = "lankarani-nikravesh", {PRESSED} }}', RIGID])
+def test_samples_of_another_form_do_not_stop_the_others(contact):
+    """Without play there is no contact."""
+    found = rt.loads(slider_crank(contact)).many({"c": [5e-4, 0.0, -1e-4]}, ["final(slider.x)"], 0.001)
+    assert np.isfinite(found["final(slider.x)"][:2]).all()
+    assert found.failed.tolist() == [2]
 
 
 @pytest.mark.parametrize("contact", [f'{{ model = "lankarani-nikravesh", {PRESSED} }}', RIGID])

@@ -19,7 +19,18 @@ from rattle.trace.graph import select
 from rattle.trace.lane_chain import Function
 
 # of a lane, whatever contact it is; the last ones count tries
-LANE = ("closing", "hit length", "free length", "unsound", "doubts", "landings", "turned", "turns", "turned at")
+LANE = (
+    "closing",
+    "hit length",
+    "free length",
+    "unsound",
+    "doubts",
+    "landings",
+    "turned",
+    "turns",
+    "flown",
+    "turned at",
+)
 COUNTED = ("doubts", "landings", "turned")
 # of contacts that forces hold, at the end of a step: force, reserve of slip or stick, slip, T, g'' and g' without what
 # may be rounding, force that may be
@@ -79,7 +90,7 @@ class Meets(NamedTuple):
     @property
     def met_rows(self) -> int:
         """Rows that `meet` writes, see `Met`."""
-        return 5 + self.n + len(self.peaks) + 2 * len(self.held)
+        return 6 + self.n + len(self.peaks) + 2 * len(self.held)
 
 
 class Touch:
@@ -121,14 +132,15 @@ class Met:
     """What a step says of contacts.
 
     It is cut, and how long the next try is; it is cut as it went beyond a contact; time from its end to the next
-    contact, about; an open one is deep in its wall; by contact, that it turns at the end; largest forces in it; of
-    those that forces hold, that nothing is left of their reserve, and a height of bounces that are not followed.
+    contact, about; an open one is deep in its wall; how fast bodies turn [rad/s]; by contact, that it turns at the end;
+    largest forces in it; of those that forces hold, that nothing is left of their reserve, and a height of bounces that
+    are not followed.
     """
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
         r = len(meets.held)
-        first, self.near, self.peaks, self.spent, self.low = _parted(rows, [5, meets.n, len(meets.peaks), r, r])
-        self.cut, self.ahead, self.hit, self.due, self.deep = first
+        first, self.near, self.peaks, self.spent, self.low = _parted(rows, [6, meets.n, len(meets.peaks), r, r])
+        self.cut, self.ahead, self.hit, self.due, self.deep, self.turning = first
 
 
 class Struck:

@@ -47,7 +47,7 @@ class Status(IntEnum):
 
 WORDS = {
     Status.DONE: "done",
-    Status.START: "has no start (loops do not close, rates do not fit), or another form (as without friction)",
+    Status.START: "has no start (values out of range, open loops, rates that do not fit), or another form (as without friction)",
     Status.ASSUMPTION: "comes next to a singular position or coincident points, which straight-line code cannot pass",
     Status.NOT_FINITE: "has no finite value: a load or curve outside its domain, or a diverging motion",
     Status.ENERGY: "has an energy error above the limit",
@@ -129,9 +129,8 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         turned = meeting.turn(proposed, lane)
         reached = select(turned.lost, float(Status.CONTACTS), reached)
         reached = select(turned.unkept, float(Status.ASSUMPTION), reached)
-        ahead = turned.ahead
-        if meets is not None and meets.pulsates:
-            ahead = select(meeting.rests(turned.touch), least(ahead, stops.instants[-1] / SHORT), ahead)
+        longest = meeting.longest_at_rest(stops.instants[-1] / SHORT)
+        ahead = select(meeting.rests(turned.touch), least(turned.ahead, longest), turned.ahead)
     landed = good & last
     number = number + one(landed)
     through = landed & (number >= float(len(stops.instants))) & (reached < 0.0)

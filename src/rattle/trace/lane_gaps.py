@@ -132,11 +132,20 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
         one(moves & hit),
         due,
         one(deep),
+        _turning(m),
         *turned,
         *forces,
         *ended,
         *low,
     ]
+
+
+def _turning(m: SimpleNamespace) -> Operand:
+    """The largest speed of a body at the end of the step [rad/s]."""
+    fastest: Operand = 0.0
+    for speed in m.state_new[len(m.change) + 2 : 2 * len(m.change) : 3]:
+        fastest = largest(fastest, abs(speed))
+    return fastest
 
 
 def _largest_force(start: Operand, rises: Operand, middle: Operand, end: Operand, falls: Operand) -> Operand:

@@ -83,7 +83,8 @@ class Stock:
         meets.touched(state, rows)
         self.touch[:] = 0.0
         self.touch[2 * count : 4 * count] = rows[: 2 * count]
-        self.touch[-1] = -np.inf  # no contact has turned yet
+        for name, since in (("turned at", -np.inf), ("flown", np.inf)):  # no contact has turned yet
+            self.touch[LANE.index(name) - len(LANE)] = since
         apart = np.asarray(rows[:count] > 0.0)
         ends, near = Ends(meets, list(rows)), {}
         held = {n: {name: x[k] for name, x in ends.held.items()} for k, n in enumerate(meets.held)}

@@ -12,7 +12,7 @@ from rattle.solvers.nonsmooth.impacts import NOTICED
 from rattle.trace.graph import apply, select
 from rattle.trace.lane_contacts import COUNTED, LANE, Ends, Meets, Met, Struck, Touch, one
 from rattle.trace.lane_methods import largest, least
-from rattle.trace.lane_polynomials import FAR
+from rattle.trace.lane_polynomials import FAR, LITTLE
 from rattle.trace.recorded_rigid import DECIDES, HITS, OPEN
 from rattle.trace.reductions import Touches
 
@@ -22,6 +22,8 @@ SOON = 0.5  # share of that step within which a contact is landed on that was no
 NEARER = 0.7  # share of the way to a contact that a step takes where all of it is too much: a force ends with a kink
 MOST_LANDINGS, MOST_TURNS = 200, 60  # tries that do not land; turns at one instant
 MOST_UNSOUND = 60  # tries of a run with stages that are not sound, as some are that go far beyond a contact
+TURN = 0.2  # of a body within which forces on a body at rest are known by three values [rad]
+AT_WALL = 1e-3  # share of the height of bounces that are not followed which may be rounding
 AT_ONCE = 1e-13  # share of the time within which turns are at one instant
 SHORTEST_LANDING = 2e-15  # share of the time that a step to a contact takes at least
 
@@ -85,17 +87,26 @@ class Meeting:
         return Touches(begins, speeds, self.shut, dict(zip(self.meets.peaks, self.met.peaks, strict=True)))
 
     def _falls(self) -> Flag:
-        """Whether a contact hits as from a height that is followed: one that has just opened may touch by rounding."""
+        """Whether a contact hits from farther than rounding, or as from a height that is followed.
+
+        One that has just let go opens with the third power of time, and may touch again at once by rounding.
+        """
         some: Flag = False
         for n in self.meets.rigid:
             k, speed = self.meets.held.index(n), largest(-self.touch.rate[n], 0.0)
             fallen = speed * speed > 2.0 * abs(self.ends.held["bend"][k]) * self.met.low[k]
+            fallen = fallen | (speed * self.touch.lane["flown"] > AT_WALL * self.met.low[k])
             some = some | (fallen if not self.meets.table[n, at.LEVEL] else speed > 0.0)
         return some
 
     def rests(self, touch: Sequence[Operand]) -> Flag:
-        """Whether a rigid contact is shut: steps grow while a body rests, however its loads change."""
+        """Whether a rigid contact is shut: steps grow while a body rests, however what presses on it changes."""
         return _any((touch[n] > 0.5) & (touch[n] < 1.5) for n in self.meets.rigid)
+
+    def longest_at_rest(self, short: Operand) -> Operand:
+        """The longest step then [s]; short: one that is short beside the run, for loads that change with time."""
+        turn = TURN / largest(self.met.turning, LITTLE)
+        return least(turn, short) if self.meets.pulsates else turn
 
     def turn(self, planned: Sequence[Operand], flags: Lane) -> Turned:
         """What a trip to t leaves of the contacts; its step has the length h [s]."""
@@ -128,7 +139,8 @@ class Meeting:
                 name: lane[name] + one(flags.running & event)
                 for name, event in zip(COUNTED, (cut & apply("not", hit), hit | comes | missed, turns), strict=True)
             },
-            "turns": count, "turned at": select(turns, t, lane["turned at"]),
+            "turns": count, "flown": select(turns, t - lane["turned at"], lane["flown"]),
+            "turned at": select(turns, t, lane["turned at"]),
         }  # fmt: skip
         shut, speed = self._states(flags.good & still, strikes)
         waits = _any(shut[n] > 2.5 for n in rigid) | (still & self.decides)

@@ -35,6 +35,7 @@ from rattle.trace.reductions import CONDITIONS, EXTREMES, KINDS, OF_CONTACTS, SA
 
 ENERGY = ("kinetic", "potential", "work", "dissipated", "balance")
 JUMPS = ("sign", "step", "floor", "mod", "choose", "if<", "if<=", "if>", "if>=")  # operations whose curves may jump
+WAVES = ("sin", "cos")
 STEADY = ("+", "-", "*", "/", "**", "neg", "sqrt", "hypot")  # operations that change as fast as their operands
 PEAKS = {"max": ("abs", "max"), "min": ("min",)}  # by kind of extreme: kinks that point away from it
 
@@ -143,12 +144,16 @@ def needs_short_steps(outputs: Sequence[Output], model: RecordedModel) -> bool:
     """Whether outputs need steps that are short beside the run, as samples in a step of usual length miss something.
 
     Steps follow the motion.  A condition may hold more shortly, a curve or a load written with functions or with t may
-    change faster, and what a driver or a guide takes from a load does not show in the motion at all.
+    change faster, and what a driver or a guide takes from a load does not show in the motion at all.  What a driver
+    does shortly shows nowhere if it falls between the stages of a step, and it may hit something.
     """
     sampled = [reduction for output in outputs for reduction in output.reductions if reduction.kind in SAMPLED]
+    inside, signals = model.system.model, model.system.model.signals
+    drivers = [driver.value for driver in inside.drivers.values() if isinstance(driver.value, Apply | Name)]
+    if model.contacts is not None and any(_abrupt(value, signals) for value in drivers):
+        return True
     if not sampled:
         return False
-    inside, signals = model.system.model, model.system.model.signals
     if any(_brief(reduction, signals) for reduction in sampled):
         return True
     if _pulsates(inside):
@@ -180,6 +185,13 @@ def _brisk(node: Node, signals: Container[str]) -> bool:
         if isinstance(part, Name) and (part.name == "t" or part.name in signals):
             return True
     return False
+
+
+def _abrupt(node: Node, signals: Container[str]) -> bool:
+    """Whether a motion may do something between the stages of a step, as powers of t and waves alone do not."""
+    used = {part.name for part in walk(node) if isinstance(part, Apply)}
+    waves = used & set(WAVES)
+    return bool(used - {*STEADY, *WAVES} or (waves and "**" in used)) or any(name in signals for name in names(node))
 
 
 def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, starts: Starts) -> Model:
