@@ -13,7 +13,7 @@ from rattle.results.reductions import meetings
 
 AIMS = {"slider_crank_play": "1.6 ms", "fourbar_onesided": "0.1"}  # with AVX-512; a tenth of a run alone
 MOST = 0.5  # [s] of a run
-FEW, MANY = 64, 448  # the difference of both is what samples take, without recording and compiling
+FEW, MANY = 64, 2112  # the difference of both is what samples take, without recording and compiling
 ALONE = 4  # runs
 
 

@@ -47,7 +47,7 @@ class Status(IntEnum):
 
 WORDS = {
     Status.DONE: "done",
-    Status.START: "has no start (values out of range, open loops, rates that do not fit), or another form (as without friction)",
+    Status.START: "has no start (values out of range, loops that do not close), or another form (as without friction)",
     Status.ASSUMPTION: "comes next to a singular position or coincident points, which straight-line code cannot pass",
     Status.NOT_FINITE: "has no finite value: a load or curve outside its domain, or a diverging motion",
     Status.ENERGY: "has an energy error above the limit",
