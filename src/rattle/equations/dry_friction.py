@@ -32,6 +32,7 @@ from rattle.equations.dependent_rows import FIXED, STAYS, fixed_value, is_fixed
 from rattle.equations.massless import prepare, take_out_of_response
 from rattle.equations.schur import solve
 from rattle.jit import layout as at
+from rattle.jit.choices import select
 from rattle.jit.families import call_friction, call_joint
 from rattle.jit.functions import compiled, native
 
@@ -189,12 +190,11 @@ def pressing(m, n, first, second):
         return size * abs(first), math.copysign(size, first), 0.0
     if m.dry[n, at.DRY_FORM] == at.DRY_PIN or m.dry[n, at.DRY_FORM] == at.DRY_ROD:
         size = math.hypot(first, second)
-        if size == 0.0:
-            return 0.0, 0.0, 0.0
-        return size, first / size, second / size
-    if abs(first) >= reach * abs(second):
-        return abs(first), math.copysign(1.0, first), 0.0
-    return reach * abs(second), 0.0, math.copysign(reach, second)
+        divisor = select(size > 0.0, size, 1.0)
+        return size, first / divisor, second / divisor
+    middle = abs(first) >= reach * abs(second)
+    size, slope = select(middle, abs(first), reach * abs(second)), math.copysign(1.0, first)
+    return size, select(middle, slope, 0.0), select(middle, 0.0, math.copysign(reach, second))
 
 
 @compiled
@@ -215,7 +215,8 @@ def resisting(m, n, first, second):
     """`resistance` by what joint n bears, and its slopes with respect to that."""
     N, slope, slope2 = pressing(m, n, first, second)
     size = resistance(m, n, N)
-    grows = (resistance(m, n, N * (1.0 + TILT)) - size) / (TILT * N) if N > 0.0 else 0.0
+    some = select(N > 0.0, N, 1.0)
+    grows = select(N > 0.0, (resistance(m, n, some * (1.0 + TILT)) - size) / (TILT * some), 0.0)
     return size, grows * slope, grows * slope2
 
 

@@ -173,6 +173,14 @@ def apply(op: str, *operands: Operand) -> Operand:
     return graph.apply(op, *symbols) if graph is not None else fold(op, *symbols)
 
 
+def summed(terms: Iterable[Operand]) -> Operand:
+    """Their sum, from the first one on."""
+    result: Operand = 0.0
+    for term in terms:
+        result = result + term
+    return result
+
+
 def both(graph: Graph, flags: Iterable[Flag]) -> Flag:
     """A flag: all of these are true."""
     result: Flag = True

@@ -246,7 +246,7 @@ class Batch:
         """Which contacts are shut, and how fast they closed, becomes part of the state."""
         if (meets := self.program.model.meets) is None:
             return []
-        count, wide = 2 * meets.n, 1 + self.program.model.ny
+        count, wide = meets.inputs, 1 + self.program.model.ny
         pair = self._first("touch")[:count], self._first("state")[wide : wide + count]
         return [(self.program.copy, pair[0].reshape(1, -1), pair[1].reshape(1, -1))]
 

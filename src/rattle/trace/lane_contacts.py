@@ -45,7 +45,7 @@ class Row(NamedTuple):
 
 
 class Meets(NamedTuple):
-    """The contacts of a model, n of them, as lanes follow them."""
+    """The contacts of a model, n of them, and after them the joints that rub, as lanes follow them."""
 
     table: np.ndarray  # (n, columns) of the system
     lever: Sequence[Sequence[float | Row]]  # (n, columns) of the system
@@ -56,6 +56,7 @@ class Meets(NamedTuple):
     peaks: tuple[int, ...] = ()  # contacts whose largest forces are asked for
     held: tuple[int, ...] = ()  # rigid contacts, and those that end where their force does
     pulsates: bool = False  # loads may change faster than what moves
+    rubs: int = 0  # number of joints with dry friction: they slip in the sense of their speed, or stick
 
     @property
     def n(self) -> int:
@@ -65,12 +66,22 @@ class Meets(NamedTuple):
     @property
     def rigid(self) -> tuple[int, ...]:
         """The rigid ones."""
-        return tuple(n for n in self.held if self.table[n, at.IMPACT] == 1)
+        return tuple(n for n in self.held if n < self.n and self.table[n, at.IMPACT] == 1)
+
+    @property
+    def rubbing(self) -> range:
+        """Numbers of the joints that rub, after those of contacts."""
+        return range(self.n, self.n + self.rubs)
+
+    @property
+    def inputs(self) -> int:
+        """Rows of `Touch` that are inputs of the equations: the first ones."""
+        return 2 * (self.n + self.rubs)
 
     @property
     def touch_rows(self) -> int:
         """Rows that a lane keeps, see `Touch`."""
-        return 4 * self.n + 2 * len(self.peaks) + len(HELD_STARTS) * len(self.held) + len(LANE)
+        return self.inputs + 2 * self.n + 2 * len(self.peaks) + len(HELD_STARTS) * len(self.held) + len(LANE)
 
     @property
     def end_rows(self) -> int:
@@ -98,13 +109,14 @@ class Touch:
     forces and their rates likewise, of those whose peaks are asked for; HELD_STARTS of those that forces hold; LANE.
 
     A rigid contact is OPEN, SHUT, HITS or DECIDES, see `recorded_rigid`; its speed is the sense of its slip, 0: none.
-    A compliant one that ends where its force does is RELEASED after that, inside its wall.
+    A compliant one that ends where its force does is RELEASED after that, inside its wall.  A joint that rubs is SHUT
+    or DECIDES, likewise.
     """
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
-        n, p, r = meets.n, len(meets.peaks), len(meets.held)
+        n, p, r, all_of = meets.n, len(meets.peaks), len(meets.held), meets.n + meets.rubs
         self.shut, self.speed, self.gap, self.rate, self.force, self.change, *held, lane = _parted(
-            rows, [n, n, n, n, p, p, r, r, r, r, len(LANE)]
+            rows, [all_of, all_of, n, n, p, p, r, r, r, r, len(LANE)]
         )
         self.held = dict(zip(HELD_STARTS, held, strict=True))
         self.lane = dict(zip(LANE, lane, strict=True))

@@ -144,9 +144,10 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
     if turned is not None:
         plan[-2], plan[-1], taken = turned.still, turned.landing, good & apply("not", still)
     controlled = [going, select(running, reached, status), number, steps + one(taken), tries + one(running), *plan]
+    counts = good if turned is None else good & (turned.decided | apply("not", still))  # no mode that is only tried
     last_curves, rows = (
-        [select(good, new, old) for new, old in zip(*pair, strict=True)]
-        for pair in ((after[-wide:], curves), (rows, held))
+        [select(which, new, old) for new, old in zip(*pair, strict=True)]
+        for which, pair in ((good, (after[-wide:], curves)), (counts, (rows, held)))
     )
     return graph, [good, taken & asks, *last_curves, *(turned.touch if turned else ()), *rows, *controlled]
 

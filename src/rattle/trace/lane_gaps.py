@@ -26,12 +26,13 @@ from rattle.trace.peak import peak
 from rattle.trace.recording import Recorder
 
 SHARP = 1e-11  # share of the step that first went beyond a contact by which the instant of the contact may be missed
-RESOLVED = 1e-7  # share of a position by which it must change for the change to tell rates
+RESOLVED = 1e-7  # share of the largest position by which one must change for the change to tell rates
 CAUTION = 0.7  # share of the longest step that a bound allows which is tried next
 LEAST_SHARE, MOST_SHARE = 0.2, 0.5  # of a step in doubt that is tried next
 TURNS_BACK, LEAST_SOON = 4.0, 1e-3  # depth at which it turns, as a share of that so far; share of the step tried next
 KINKED = 0.1  # share of a force by which curves through it may differ that have its slopes and that have none
 SLIGHT = 1e-12  # share of a force, or of a slip, that may be rounding
+AT_ONCE = 4.0  # of the time by which a joint that comes to rest is too early: others have come to rest with it
 NOTHING_LEFT = 1e-10  # share of it that counts as none where a step is to end with it
 
 
@@ -41,6 +42,10 @@ def middle(method: Method, ny: int, nq: int, watched: int) -> Recorded:
     graph, row = inputs((4 + method.stages) * size)
     end, step, start, first, last = (row[k * size : (k + 1) * size] for k in (0, 1, 2, 3, 3 + method.stages))
     h, state = step[0], [start[0] + 0.5 * step[0]]
+    far: list[Operand] = [0.0, 0.0, 1.0]  # positions [m, m, rad], by whose rounding changes of positions tell rates
+    for i in range(nq):
+        far[i % 3] = largest(far[i % 3], abs(start[1 + i]))
+    far[0] = far[1] = largest(far[0], far[1])
     for i in range(1, 1 + ny):
         y0, y1, f0, f1 = start[i], end[i], first[i], last[i]
         if i <= nq:
@@ -49,7 +54,7 @@ def middle(method: Method, ny: int, nq: int, watched: int) -> Recorded:
         elif i <= 2 * nq:
             here, there = start[i - nq], end[i - nq]
             usual = 1.875 * (there - here) / h - 0.4375 * (y0 + y1) + 0.03125 * h * (f1 - f0)
-            told = h * (abs(y0) + abs(y1)) > RESOLVED * (abs(here) + abs(there))
+            told = h * (abs(y0) + abs(y1)) > 2.0 * RESOLVED * far[(i - 1) % 3]
             state.append(select(told, usual, 0.5 * (y0 + y1) + 0.125 * h * (f0 - f1)))
         else:
             state.append(0.5 * (y0 + y1) + 0.125 * h * (f0 - f1))
@@ -78,6 +83,7 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
     theta: Operand = FAR
     due: Operand = FAR
     deep: Flag = False
+    looks: list[_Look] = []
     near: list[Flag] = []
     spent: list[Flag] = []
     low: list[Operand] = []
@@ -93,7 +99,7 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
             (midway[n], midway[meets.n + n]),
         )  # fmt: skip
         deep = deep | ((code < 0.5) & (gap.end < -DEEP * m.lever[n, at.GAP_SCALE]))
-        looks = [gap.looked_at(reach)]
+        seen = [gap.looked_at(reach)]
         if n in meets.held:
             k, first = meets.held.index(n), 2 * meets.n + len(meets.peaks)
             values = [
@@ -104,17 +110,19 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
                     ("reserve", select(apply("equal", touch.speed[n], 0.0), 2.0 * ends.held["faint"][k], 0.0)),
                 ))
             ]  # fmt: skip
-            looks = _held_looks(meets, n, looks[0], values, h, reach, shut, released)
-            spent.append(looks[1].arrives)
+            seen = _held_looks(meets, n, seen[0], values, h, reach, shut, released)
+            spent.append(seen[1].arrives)
             low.append(gap.low_bounce(m, n))
-        for look in looks:
-            hit, doubt = hit | look.below, doubt | apply("not", look.free)
-            theta = select(look.below, least(theta, look.zero), theta)
-            short = select(
-                look.free, short, least(short, least(MOST_SHARE * h, largest(look.allowed, LEAST_SHARE * h)))
-            )
-            due = least(due, look.due * h)
-        near.append(looks[0].arrives)
+        near.append(seen[0].arrives)
+        looks += seen
+    rubs = _rubbing_looks(meets, touch, ends, midway, h, reach)
+    spent += _together(meets, touch, ends, [look.arrives for look in rubs])
+    low += [0.0] * len(rubs)
+    for look in (*looks, *rubs):
+        hit, doubt = hit | look.below, doubt | apply("not", look.free)
+        theta = select(look.below, least(theta, look.zero), theta)
+        short = select(look.free, short, least(short, least(MOST_SHARE * h, largest(look.allowed, LEAST_SHARE * h))))
+        due = least(due, look.due * h)
     moves = apply("not", still > 0.0)
     cut = moves & (hit | doubt)
     turned, ended = (
@@ -198,6 +206,33 @@ def _held_looks(
     start, middle, end, most, floor = values[0]
     again = _reserve_at(h, reach, -start, -middle, -end, most, floor)
     return [*looks, again.instead_of(_NOTHING, released)]
+
+
+def _rubbing_looks(
+    meets: Meets, touch: Touch, ends: Ends, midway: Sequence[Operand], h: Operand, reach: Operand
+) -> list[_Look]:
+    """What a step shows of how joints that rub slip, or stick."""
+    looks, first = [], 2 * meets.n + len(meets.peaks) + len(meets.held)
+    for n in meets.rubbing:
+        k = meets.held.index(n)
+        start, most = touch.held["reserve"][k], touch.held["most reserve"][k]
+        end, floor = ends.held["reserve"][k], ends.held["faint"][k]
+        looks.append(_reserve_at(h, reach, start, midway[first + k], end, most, floor))
+    return looks
+
+
+def _together(meets: Meets, touch: Touch, ends: Ends, arrive: Sequence[Flag]) -> list[Flag]:
+    """Joints that come to rest, with those that are there at the same instant: they move together."""
+    rates = [abs(ends.held["reserve"][meets.held.index(n)]) for n in meets.rubbing]
+    slower = [-touch.speed[n] * ends.held["bend"][meets.held.index(n)] for n in meets.rubbing]
+    slips = [apply("not", apply("equal", touch.speed[n], 0.0)) for n in meets.rubbing]
+    late: Operand = 0.0
+    for rate, loses, flag in zip(rates, slower, [a & b for a, b in zip(arrive, slips, strict=True)], strict=True):
+        late = select(flag & (loses > 0.0), largest(late, rate / largest(loses, LITTLE)), late)
+    return [
+        flag | (slip & (late > 0.0) & (rate <= AT_ONCE * late * loses))
+        for flag, slip, rate, loses in zip(arrive, slips, rates, slower, strict=True)
+    ]
 
 
 def _reserve_at(

@@ -76,13 +76,13 @@ class Stock:
         self.still[:] = 0.0
         if meets is None:
             return np.ones(self.n, dtype=bool)
-        count, ny = meets.n, program.model.ny
+        count, all_of, ny = meets.n, meets.n + meets.rubs, program.model.ny
         state = self._state.copy()
         state[0], state[1 : 1 + ny] = 0.0, self.y
         rows = np.zeros((meets.end_rows, self.n))
         meets.touched(state, rows)
         self.touch[:] = 0.0
-        self.touch[2 * count : 4 * count] = rows[: 2 * count]
+        self.touch[2 * all_of : 2 * (all_of + count)] = rows[: 2 * count]
         for name, since in (("turned at", -np.inf), ("flown", np.inf)):  # no contact has turned yet
             self.touch[LANE.index(name) - len(LANE)] = since
         apart = np.asarray(rows[:count] > 0.0)
@@ -101,21 +101,24 @@ class Stock:
             rests = np.where(any_hits, HITS, DECIDES)
             open_ = np.where(any_hits, HITS, OPEN) if meets.table[n, at.LEVEL] else OPEN  # a clutch may be struck shut
             self.touch[n] = np.where(hits[n], HITS, np.where(near[n], rests, open_))
-            self.touch[count + n] = np.where(near[n], np.sign(np.asarray(held[n]["slip"], dtype=float)), 0.0)
+            self.touch[all_of + n] = np.where(near[n], np.sign(np.asarray(held[n]["slip"], dtype=float)), 0.0)
             self.still[near[n]] = 1.0
         at_wall, presses = self._at_walls(meets, rows, self._later(state))
         at_once = at_wall & presses
         apart |= (at_wall & ~presses) | (at_once & ~self.still.astype(bool))
         self.touch[:count][at_once] = 1.0
-        self.touch[count : 2 * count][at_once] = np.maximum(-rows[count : 2 * count], 0.0)[at_once]
+        self.touch[all_of : all_of + count][at_once] = np.maximum(-rows[count : 2 * count], 0.0)[at_once]
         self.still[at_once.any(axis=0)] = 1.0
+        for n in meets.rubbing:
+            self.touch[n], self.touch[all_of + n] = DECIDES, np.sign(np.asarray(held[n]["slip"], dtype=float))
+            self.still[:] = 1.0
         self.touch[LANE.index("closing") - len(LANE)] = at_once.any(axis=0)
-        first = count * 4 + 2 * len(meets.peaks)
+        first = 2 * (all_of + count) + 2 * len(meets.peaks)
         for place, name in enumerate(HELD_STARTS):
             for k, n in enumerate(meets.held):
                 value = np.asarray(held[n][name.removeprefix("most ")])
                 self.touch[first + place * len(held) + k] = np.abs(value) if name.startswith("most ") else value
-        self.constants[: 2 * count] = self.touch[: 2 * count]
+        self.constants[: 2 * all_of] = self.touch[: 2 * all_of]
         return np.asarray(apart.all(axis=0))
 
     def _later(self, state: np.ndarray) -> np.ndarray:

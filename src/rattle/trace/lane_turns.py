@@ -13,7 +13,8 @@ from rattle.trace.graph import apply, select
 from rattle.trace.lane_contacts import COUNTED, LANE, Ends, Meets, Met, Struck, Touch, one
 from rattle.trace.lane_methods import largest, least
 from rattle.trace.lane_polynomials import FAR, LITTLE
-from rattle.trace.recorded_rigid import DECIDES, HITS, OPEN
+from rattle.trace.recorded_friction import beyond
+from rattle.trace.recorded_rigid import DECIDES, HITS, OPEN, SHUT
 from rattle.trace.reductions import Touches
 
 LEAVES = 2.0  # speed of a rigid contact whose force has just ended
@@ -36,6 +37,7 @@ class Turned(NamedTuple):
     still: Operand  # 1: no time passes in the next trip
     landing: Operand  # number of tries that were to end at a contact
     lost: Flag  # a flag: the lane does not get on
+    decided: Flag  # the joints that rub have modes that can last
     unkept: Flag  # its stages have failed too often
 
 
@@ -62,16 +64,17 @@ class Meeting:
         self.meets, self.touch, self.ends = meets, Touch(meets, touch), Ends(meets, ends)
         self.met, self.struck = Met(meets, met), Struck(meets, struck)
         self.near = [x > 0.0 for x in self.met.near]
-        self.shut = [(x > 0.5) & (x < 1.5) for x in self.touch.shut]
+        self.shut = [(x > 0.5) & (x < 1.5) for x in self.touch.shut[: meets.n]]
         hits = [self.touch.shut[n] for n in meets.rigid]
         self.hits, self.decides = _any((x > 1.5) & (x < 2.5) for x in hits), _any(x > 2.5 for x in hits)
 
     def touches(self, at_start: Flag) -> Touches:
         """What the trip tells the reductions of contacts; at_start: it is the one that takes no time at the start."""
-        begins = [near & (code < 0.5) for near, code in zip(self.near, self.touch.shut, strict=True)]
+        begins = [near & (code < 0.5) for near, code in zip(self.near, self.touch.shut, strict=False)]
         for k, n in enumerate(self.meets.held):  # one that pushes again, and a clutch that takes
-            again = (self.met.spent[k] > 0.0) & apply("not", self.shut[n])
-            begins[n] = begins[n] | again
+            if n < self.meets.n:
+                again = (self.met.spent[k] > 0.0) & apply("not", self.shut[n])
+                begins[n] = begins[n] | again
         for n in range(self.meets.n):
             if n not in self.meets.rigid:  # it is shut from the start on
                 begins[n] = begins[n] | (at_start & self.shut[n])
@@ -100,8 +103,11 @@ class Meeting:
         return some
 
     def rests(self, touch: Sequence[Operand]) -> Flag:
-        """Whether a rigid contact is shut: steps grow while a body rests, however what presses on it changes."""
-        return _any((touch[n] > 0.5) & (touch[n] < 1.5) for n in self.meets.rigid)
+        """Whether a rigid contact is shut, or a joint sticks: steps grow while a body rests, however what presses on it
+        changes."""
+        shut = _any((touch[n] > 0.5) & (touch[n] < 1.5) for n in self.meets.rigid)
+        speeds = touch[self.meets.n + self.meets.rubs :]
+        return shut | _any(apply("equal", speeds[n], 0.0) for n in self.meets.rubbing)
 
     def longest_at_rest(self, short: Operand) -> Operand:
         """The longest step then [s]; short: one that is short beside the run, for loads that change with time."""
@@ -143,7 +149,7 @@ class Meeting:
             "turned at": select(turns, t, lane["turned at"]),
         }  # fmt: skip
         shut, speed = self._states(flags.good & still, strikes)
-        waits = _any(shut[n] > 2.5 for n in rigid) | (still & self.decides)
+        waits = _any(shut[n] > 2.5 for n in (*rigid, *self.meets.rubbing)) | (still & self.decides)
         state = [
             *self._moved(flags.good, shut, touch.shut), *self._moved(flags.good, speed, touch.speed),
             *(
@@ -160,7 +166,8 @@ class Meeting:
         missed_one = flags.good & (met.deep > 0.0)  # see `solvers.contacts.penetration`
         lost = missed_one | (landings > float(MOST_LANDINGS)) | (count > float(MOST_TURNS)) | unsound
         unkept = values["unsound"] > float(MOST_UNSOUND)
-        return Turned(state, ahead, one(turns | (flags.good & waits)), landings, lost, unkept)
+        decided = apply("not", _any(shut[n] > 2.5 for n in self.meets.rubbing))
+        return Turned(state, ahead, one(turns | (flags.good & waits)), landings, lost, decided, unkept)
 
     def _held(self, still: Flag) -> list[tuple[list[Operand], list[Operand]]]:
         """HELD_STARTS of the next step, and those of this one."""
@@ -196,6 +203,8 @@ class Meeting:
         again = self._again()
         for n in self.meets.rigid:
             shut[n], speed[n] = self._rigid(n, still, strikes, ended, again)
+        for n in self.meets.rubbing:
+            shut[n], speed[n] = self._rubbing(n, still)
         return shut, speed
 
     def _again(self) -> dict[int, Flag]:
@@ -258,9 +267,45 @@ class Meeting:
         shut, slide = select(self.hits, after, shut), select(self.hits, sense, slide)
         return select(still, shut, goes), select(still, slide, way)
 
+    def _rubbing(self, n: int, still: Flag) -> tuple[Operand, Operand]:
+        """What a joint that rubs is after a trip, and the sense of its slip.
+
+        Where it has come to rest it sticks, first; where others move it on, it slips as they do.  If it cannot bear
+        that, it slips against its force, the one first that is farthest beyond its limit.
+        """
+        k, sense, code = self.meets.held.index(n), self.touch.speed[n], self.touch.shut[n]
+        end = {name: rows[k] for name, rows in self.ends.held.items()}
+        sticks, ahead = apply("equal", sense, 0.0), _sign(end["bend"])
+        breaks, spent = -_sign(end["tangent"]), self.met.spent[k] > 0.0
+        way = select(spent, select(sticks, select(apply("equal", end["tangent"], 0.0), ahead, breaks), 0.0), sense)
+        worst = self._worst()
+        over = (self._beyond(n) > 0.0) & (self._beyond(n) >= worst)
+        back = apply("equal", end["slip"], 0.0) & (sense * ahead < 0.0)
+        stuck = select(apply("equal", ahead, 0.0), select(over, breaks, 0.0), ahead)
+        settled = select(sticks, stuck, select(back, 0.0, sense))
+        changes = apply("not", apply("equal", settled, sense))
+        return select(still, select(changes, DECIDES, SHUT), select(spent, DECIDES, code)), select(still, settled, way)
+
+    def _beyond(self, n: int) -> Operand:
+        """How far the force of a joint that sticks is above its limit, as a share; 0 if it is not."""
+        k = self.meets.held.index(n)
+        far = beyond(self.ends.held["reserve"][k], self.ends.held["tangent"][k])
+        return select(apply("equal", self.touch.speed[n], 0.0), far, 0.0)
+
+    def _worst(self) -> Operand:
+        """The most that a joint is beyond its limit."""
+        worst: Operand = 0.0
+        for n in self.meets.rubbing:
+            worst = largest(worst, self._beyond(n))
+        return worst
+
     @staticmethod
     def _moved(good: Flag, new: Sequence[Operand], old: Sequence[Operand]) -> list[Operand]:
         return [select(good, a, b) for a, b in zip(new, old, strict=True)]
+
+
+def _sign(x: Operand) -> Operand:
+    return select(x > 0.0, 1.0, select(x < 0.0, -1.0, 0.0))
 
 
 def _any(flags: Iterable[Flag]) -> Flag:

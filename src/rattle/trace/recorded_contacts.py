@@ -24,6 +24,8 @@ from rattle.language.recorded import Flag, Operand, Recorded, bare, symbol_of
 from rattle.solvers.contacts.contact_events import push
 from rattle.solvers.contacts.gap_search import rate_rounding
 from rattle.trace.graph import Graph, Symbol, both, select
+from rattle.trace.known_signs import SHALLOW, Depth, Gap, positive
+from rattle.trace.recorded_friction import RecordedFriction
 from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_rigid import RigidContacts, Struck, power
 from rattle.value_types import Plain
@@ -31,7 +33,6 @@ from rattle.value_types import Plain
 FIRST_DEPTH = 2.0**-20  # from which that is looked for where a contact turns back [m or rad]
 ROUNDS, SHARE_OF_DOUBLINGS = 7, 0.5  # of the energy that the depth takes: its force grows about linearly
 NEWTON = 0.0  # see the choices of `restitution_law`
-SHALLOW = 1e-30  # least depth for which laws are computed: a step may end beyond that of a contact [m or rad]
 APART = 1e-3  # depth with which the laws of an open contact are computed, and left aside [m or rad]
 UNABLE = (
     (at.FILM_LAW, "oil", lambda x: x >= 0), (at.WORN, "wear", bool), (at.TOOTHED, "teeth", bool),
@@ -39,44 +40,9 @@ UNABLE = (
 )  # fmt: skip
 
 
-class _Positive(Symbol):
-    """A symbol that is positive where it counts: kernels of laws ask that before they compute."""
-
-    __slots__ = ()
-
-    def __le__(self, other: Operand) -> Flag:
-        return False if isinstance(other, float | int) and other <= 0.0 else super().__le__(other)
-
-    def __gt__(self, other: Operand) -> Flag:
-        return True if isinstance(other, float | int) and other <= 0.0 else super().__gt__(other)
-
-
-class _Gap(Symbol):
-    """A gap that is negative where it counts."""
-
-    __slots__ = ()
-
-    def __neg__(self) -> Operand:
-        return _positive(super().__neg__())
-
-
-class _Depth(Symbol):
-    """A gap of either sign whose size is a depth of laws."""
-
-    __slots__ = ()
-
-    def __abs__(self) -> Operand:
-        size = super().__abs__()
-        return _positive(select(size > SHALLOW, size, SHALLOW))
-
-
 def _is(value: object, number: float) -> bool:
     """Whether a value is this number whatever the parameters."""
     return not isinstance(value, Recorded) and value == number
-
-
-def _positive(x: Operand) -> Operand:
-    return _Positive(x.graph, x.place) if isinstance(x, Symbol) else x
 
 
 class Impact(NamedTuple):
@@ -89,8 +55,9 @@ class Impact(NamedTuple):
 class RecordedContacts:
     """The contacts of a system, n of them, on symbols of one graph."""
 
-    def __init__(self, graph: Graph, system: System, lanes: bool) -> None:
-        """lanes: rigid contacts may stay shut together, with friction; else, for derivatives, one at a time without.
+    def __init__(self, graph: Graph, system: System, lanes: bool, friction: RecordedFriction | None) -> None:
+        """lanes: rigid contacts may stay shut together, with friction; else, for derivatives, one at a time without;
+        friction: that of joints without play, whose modes become inputs.
 
         Raises TraceError for a contact that cannot be recorded so.
         """
@@ -106,11 +73,16 @@ class RecordedContacts:
         alone = self.rigid.sum() == 1 and smooth[int(np.flatnonzero(self.rigid)[0])]  # then all laws are one
         for n in range(len(self.joints)):
             self._require_able(n, values, alone)
-        self.shut = [graph.input() for _ in self.joints]
-        self.speed = [graph.input() for _ in self.joints]
-        self.is_shut = [shut > 0.5 for shut in self.shut]
+        self.rubbing = friction
+        rubs = [] if friction is None else friction.rubs
+        self.inputs = len(self.joints) + len(rubs)  # of each of two kinds; joints that rub are after the contacts
+        self.shut = [graph.input() for _ in range(self.inputs)]
+        self.speed = [graph.input() for _ in range(self.inputs)]
+        if friction is not None:
+            friction.modes = dict(zip(rubs, self.speed[len(self.joints) :], strict=True))
+        self.is_shut = [shut > 0.5 for shut in self.shut[: len(self.joints)]]
         if lanes:  # of rigid ones it may be HITS, DECIDES too
-            self.is_shut = [flag & (shut < 1.5) for flag, shut in zip(self.is_shut, self.shut, strict=True)]
+            self.is_shut = [flag & (shut < 1.5) for flag, shut in zip(self.is_shut, self.shut, strict=False)]
         self._rigid: list[RigidContacts] = []
 
     def _require_able(self, n: int, values: np.ndarray, alone: bool) -> None:
@@ -168,7 +140,7 @@ class RecordedContacts:
                     inside = select(value < -SHALLOW, value, -SHALLOW) if column == at.GAP else value
                     kinematics[n, column] = select(shut, inside, -APART if column == at.GAP else 0.0)
                 deep = kinematics[n, at.GAP]
-                kinematics[n, at.GAP] = _Gap(deep.graph, deep.place)
+                kinematics[n, at.GAP] = Gap(deep.graph, deep.place)
                 laws(m, n)
                 for column, value in measured.items():
                     kinematics[n, column] = value
@@ -208,12 +180,14 @@ class RecordedContacts:
             kept, lost = state[account + STORED], state[account + LOSS]
             state[account + LOSS] = select(self.is_shut[n], lost, lost + kept)
             state[account + STORED] = select(self.is_shut[n], kept, 0.0)
+        if self.rubbing is not None:
+            self.rubbing.rest(m, state)
         return self._rigid[0].struck(m, state) if self._rigid else Struck(list(state), {}, {}, {}, True)
 
     def push(self, m: SimpleNamespace, n: int) -> Operand:
         """Force [N] of contact n that ends by it, also where it would pull; see `contact_events.push`."""
         row = m.contact_kinematics[n]
-        gap = _Depth(row[at.GAP].graph, row[at.GAP].place)
+        gap = Depth(row[at.GAP].graph, row[at.GAP].place)
         force: Operand = self._copies.of(push.python)(m, n, gap, row[at.DGAP])
         return Symbol(force.graph, force.place) if isinstance(force, Symbol) else force
 
@@ -247,7 +221,7 @@ class RecordedContacts:
         law, p, speed = m.stiffness_table[m.contact[n, at.STATIC]], m.contact[n, at.STATIC_P], self.speed[n]
         depth: Operand = FIRST_DEPTH
         for _ in range(ROUNDS):
-            force = _positive_force(law, (_positive(depth), m.values, p))
+            force = _positive_force(law, (positive(depth), m.values, p))
             doublings = self.graph.apply("exponent", light * speed * speed / (force * depth))
             depth = depth * self.graph.apply("power_of_two", self.graph.apply("floor", SHARE_OF_DOUBLINGS * doublings))
         return select(speed > 0.0, 3.0 * depth / speed, 0.0)
@@ -339,4 +313,4 @@ def _response(
 
 def _positive_force(entry: Plain, arguments: tuple[object, ...]) -> Operand:
     """What stands for calls of laws whose force is positive where it counts."""
-    return _positive(entry(*arguments))
+    return positive(entry(*arguments))

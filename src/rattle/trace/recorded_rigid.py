@@ -29,7 +29,7 @@ from rattle.equations.state import IMPULSE, LOSS, WORK, account_at, energies_at
 from rattle.jit import layout as at
 from rattle.language.recorded import Flag, Operand
 from rattle.solvers.contacts.gap_search import rate_rounding
-from rattle.trace.graph import Graph, Symbol, apply, both, select, select_flag
+from rattle.trace.graph import Graph, Symbol, apply, both, select, select_flag, summed
 from rattle.trace.recorded_language import Copies
 
 SLOTS, SMOOTH_SLOTS = 2, 3  # contacts that take part at one instant, with friction and without
@@ -73,7 +73,7 @@ class _Slot(NamedTuple):
 
 def _value(n: int, slots: Sequence[_Slot], values: Iterable[Operand]) -> Operand:
     """That of contact n, among the values of the slots; 0 if it does not take part."""
-    return _sum(select(slot.chosen[n], x, 0.0) for slot, x in zip(slots, values, strict=True))
+    return summed(select(slot.chosen[n], x, 0.0) for slot, x in zip(slots, values, strict=True))
 
 
 class _Try(NamedTuple):
@@ -298,7 +298,7 @@ class RigidContacts:
             f = self._forces(g, right, mus, combination)
             fits = both(self.graph, self._conditions(g, right, slots, mus, slides, combination, f, lasting))
             flat = [x for pair in f for x in pair]
-            gains = [_sum(x * y for x, y in zip(row, flat, strict=True)) for row in g]
+            gains = [summed(x * y for x, y in zip(row, flat, strict=True)) for row in g]
             tries.append(_Try(combination, f, gains, fits))
         return _first(tries)
 
@@ -340,7 +340,7 @@ class RigidContacts:
         flags: list[Flag] = []
         for k, mode in enumerate(combination):
             if mode == OFF:
-                gains = _sum(x * y for x, y in zip(g[w * k], flat, strict=True)) - right[k][0]
+                gains = summed(x * y for x, y in zip(g[w * k], flat, strict=True)) - right[k][0]
                 flags.append((gains >= -SLIGHT * abs(right[k][0])) | apply("not", slots[k].taken))
                 continue
             flags += [slots[k].taken, slots[k].loose[0], f[k][0] >= 0.0]
@@ -352,7 +352,7 @@ class RigidContacts:
                     flags.append(apply("equal", slides[k], 0.0))
                 continue
             sense = 1.0 if mode == FORWARD else -1.0
-            slips = _sum(x * y for x, y in zip(g[w * k + 1], flat, strict=True)) - right[k][1]
+            slips = summed(x * y for x, y in zip(g[w * k + 1], flat, strict=True)) - right[k][1]
             away = sense * slips >= 0.0
             if lasting:
                 slipped = apply("not", apply("equal", slides[k], 0.0))
@@ -391,18 +391,18 @@ class RigidContacts:
     ) -> Operand:  # fmt: skip
         """Add impulses and losses to the accounts of contacts in a state; the work of all impulses [J]."""
         g, flat = self._matrix(slots), [x for pair in impulses for x in pair]
-        after = [_sum(x * f for x, f in zip(row, flat, strict=True)) for row in g]
+        after = [summed(x * f for x, f in zip(row, flat, strict=True)) for row in g]
         works = []
         for k, slot in enumerate(slots):
             pairs = [(slot.of(rate), impulses[k][0], after[self.width * k])]
             if self.rough:
                 pairs.append((slot.of(slip), impulses[k][1], after[self.width * k + 1]))
-            works.append(_sum(f * (v + 0.5 * dv) for v, f, dv in pairs))
+            works.append(summed(f * (v + 0.5 * dv) for v, f, dv in pairs))
         for n in self.numbers:
             account = self._copies.of(account_at.python)(m, n)
             state[account + LOSS] = state[account + LOSS] - _value(n, slots, works)
             state[account + IMPULSE] = state[account + IMPULSE] + _value(n, slots, (f[0] for f in impulses))
-        return _sum(works)
+        return summed(works)
 
     def _put_back(self, slots: list[_Slot], gaps: list[Operand]) -> list[list[Operand]]:
         """What moves the contacts that take part onto their walls."""
@@ -422,8 +422,8 @@ def _first(tries: Sequence[_Try]) -> tuple[list[list[Operand]], Flag, list[Opera
     some: Flag = False
     double: Flag = False
     for this in tries:
-        off = _sum(abs(x - y) for x, y in zip(this.gains, gains, strict=True))
-        size = _sum(abs(x) + abs(y) for x, y in zip(this.gains, gains, strict=True))
+        off = summed(abs(x - y) for x, y in zip(this.gains, gains, strict=True))
+        size = summed(abs(x) + abs(y) for x, y in zip(this.gains, gains, strict=True))
         double = double | (this.fits & some & (off > ALIKE * size))
         first = this.fits & apply("not", some)
         forces = [
@@ -444,13 +444,6 @@ def power(impulse: np.ndarray, rates: np.ndarray) -> Operand:
     return total
 
 
-def _sum(terms: Iterable[Operand]) -> Operand:
-    total: Operand = 0.0
-    for term in terms:
-        total = total + term
-    return total
-
-
 def _solved(rows: list[list[Operand]]) -> list[Operand]:
     """x of A x = b from rows (A, b), by elimination as they stand: no pivot is looked for.
 
@@ -462,7 +455,7 @@ def _solved(rows: list[list[Operand]]) -> list[Operand]:
     a = [[x * (1.0 + RAISED) if r == c else x for c, x in enumerate(row[:-1])] for r, row in enumerate(rows)]
     factors = _eliminated(a)
     x = _substituted(a, factors, [row[-1] for row in rows])
-    left = [row[-1] - _sum(p * q for p, q in zip(row, x, strict=False)) for row in rows]
+    left = [row[-1] - summed(p * q for p, q in zip(row, x, strict=False)) for row in rows]
     return [p + q for p, q in zip(x, _substituted(a, factors, left), strict=True)]
 
 
@@ -486,7 +479,7 @@ def _substituted(
     for (r, c), factor in factors.items():
         b[r] = b[r] - factor * b[c]
     for r in reversed(range(len(a))):
-        x[r] = (b[r] - _sum(a[r][j] * x[j] for j in range(r + 1, len(a)))) / a[r][r]
+        x[r] = (b[r] - summed(a[r][j] * x[j] for j in range(r + 1, len(a)))) / a[r][r]
     return x
 
 

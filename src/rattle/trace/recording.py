@@ -26,6 +26,7 @@ from rattle.language.operations import CHOICES, CHOOSE, OPERATIONS
 from rattle.language.recorded import Flag, Operand, Recorded, symbol_of
 from rattle.trace.graph import Graph, Symbol, both, select
 from rattle.trace.recorded_contacts import Impact, RecordedContacts
+from rattle.trace.recorded_friction import RecordedFriction
 from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_table import recorded_table
 from rattle.trace.symbol_arrays import arrays
@@ -49,13 +50,23 @@ class Recorder:
         own = {choices.assume.python: self._assume, choices.usually.python: self._usually}
         self._copies = Copies(own, arrays(graph))
         self.contacts: RecordedContacts | None = None  # None: a model with contacts cannot be recorded
+        self.friction: RecordedFriction | None = None  # None: one with friction in joints cannot be
+
+    def record_friction(self, system: System, lanes: bool) -> None:
+        """Let systems with the friction of joints of this one be recorded; before anything else is.
+
+        lanes: also where it sticks and slips, with contacts.  Raises TraceError.
+        """
+        if system.rough_joints:
+            self.friction = RecordedFriction(system, lanes)
+            self.friction.begin(self._copies)
 
     def record_contacts(self, system: System, lanes: bool) -> RecordedContacts:
         """Let systems with the contacts of this one be recorded; before anything else is.  Raises TraceError.
 
         lanes: as these follow them, else as derivatives do.
         """
-        self.contacts = RecordedContacts(self.graph, system, lanes)
+        self.contacts = RecordedContacts(self.graph, system, lanes, self.friction)
         self.contacts.begin(self._copies)
         return self.contacts
 
@@ -160,9 +171,9 @@ class Recording:
     """
 
     def __init__(self, system: System, recorder: Recorder) -> None:
-        if system.rough_joints:
+        if system.rough_joints and recorder.friction is None:
             joints = ", ".join(system.rough_joints)
-            raise TraceError(f"dry friction sticks and slips, which straight-line code cannot follow (joints {joints})")
+            raise TraceError(f"friction of joints (joints {joints}) cannot be straight-line code here")
         if len(system.arrays["contact"]) and recorder.contacts is None:
             owners = system.arrays["contact"][:, layout.OWNER]
             joints = ", ".join(dict.fromkeys(system.joints[n] for n in owners))

@@ -304,11 +304,11 @@ class _Met:
         rows = {place: Row(n) for n, place in enumerate(late.inputs)}
         values = [rows[x.place] if isinstance(x, Symbol) and x.op == "input" else _number(late, x) for x in levers]
         table = self.model.system.arrays["contact"]
-        width = len(values) // len(table)
+        width = len(values) // max(1, len(table))
         entries = [values[n * width : (n + 1) * width] for n in range(len(table))]
         return Meets(
             table, entries, 3 * self.model.system.body_count, touched, midway, struck, self.peaks, self.held,
-            _pulsates(self.model.system.model),
+            _pulsates(self.model.system.model), self.model.contacts.count - len(table),
         )  # fmt: skip
 
 

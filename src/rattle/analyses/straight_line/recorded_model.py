@@ -61,14 +61,15 @@ class ContactFunctions:
 
     @property
     def count(self) -> int:
-        """Number of contacts."""
-        return len(self.are)
+        """Number of contacts, and of joints that rub after them: of inputs of each kind."""
+        return self.are.inputs
 
 
 @dataclass(frozen=True)
 class HeldFunctions:
     """Recorded functions of the contacts of a model that end where their force does, and of rigid ones, for lanes;
-    lists by contact, in order."""
+    lists by contact, in order.  After them stand joints that rub, see `recorded_friction.Joint`: their reserve, rate as
+    slip, force as tangent, acceleration as bend, what may be rounding of the reserve as faint."""
 
     numbers: list[int]
     pressed: list[Operand]  # force while it is shut; of a compliant one also what it would pull with [N or N m]
@@ -170,6 +171,7 @@ def record_model(
     }
     recorded = compile_system(_counting(read(document, chosen=chosen), system, recorder)) if names else system
     _require_known_states(recorded)
+    recorder.record_friction(recorded, lanes)
     met = recorder.record_contacts(recorded, lanes) if contacts else None
     recording = Recording(recorded, recorder)
     rate, sound_rate = recording.guarded(lambda: recording.derivative(t, y))
@@ -221,6 +223,15 @@ def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray) -> HeldFunct
         slight, faint = met.faint(m, n) if rigid else (0.0, 0.0)
         held.bend.append(select(abs(bends[n]) <= slight, 0.0, bends[n]) if rigid else 0.0)
         held.faint.append(faint)
+    for place, joint in enumerate([] if met.rubbing is None else met.rubbing.at(m)):
+        held.numbers.append(len(met) + place)
+        held.pressed.append(1.0)
+        held.reserve.append(joint.reserve)
+        held.slip.append(joint.rate)
+        held.calm.append(0.0)
+        held.tangent.append(joint.force)
+        held.bend.append(joint.ahead)
+        held.faint.append(joint.slack)
     return held
 
 
@@ -304,13 +315,13 @@ def _require_same(model: RecordedModel) -> None:
     flags = [model.derivative[-1], model.projection[-1], model.sound_curves, model.readable]
     functions = lower(model.graph, [*flags, *model.derivative[:-1], *model.curves.values()])
     y, values = model.start_state, model.parameters
-    outputs = _at(model, functions, model.start.t, y, values)
+    outputs, modes = _at(model, functions, model.start.t, y, values)
     if not outputs[:4].all():
         raise TraceError(
             "constraints are redundant, the start is next to a singular position, or points coincide: straight-line"
             " code cannot pass that"
         )
-    _require_equal(model.system, model.start.t, y, outputs[4:], "at the start; this is a fault of rattle")
+    _require_equal(model.system, model.start.t, y, modes, outputs[4:], "at the start; this is a fault of rattle")
     random = np.random.default_rng(0)
 
     def same(names: Sequence[str], where: str) -> bool:
@@ -322,11 +333,11 @@ def _require_same(model: RecordedModel) -> None:
             except ModelError:  # outside of the limits of a parameter
                 continue
             moved = y + MOVED * random.standard_normal(len(y))
-            outputs = _at(model, functions, model.start.t, moved, changed)
+            outputs, modes = _at(model, functions, model.start.t, moved, changed)
             if outputs[3]:
                 if model.contacts is not None:
                     _require_recorded(model, other, changed, where)
-                _require_equal(other, model.start.t, moved, outputs[4:], where)
+                _require_equal(other, model.start.t, moved, modes, outputs[4:], where)
                 return True
         return False
 
@@ -353,15 +364,24 @@ def read_at(model: RecordedModel, values: Mapping[str, float]) -> Model:
 
 def _at(
     model: RecordedModel, functions: tuple[Graph, list[Operand]], t: float, y: np.ndarray, values: Mapping[str, float]
-) -> np.ndarray:
+) -> tuple[np.ndarray, np.ndarray]:
+    """Outputs of functions, and the modes of joints that rub for which they hold."""
     graph, outputs = functions
     inputs = model.inputs(t, y, list(values.values()))
+    rubbing = 0
     if model.contacts is not None:  # where no run is followed, kernels take those for shut in which bodies overlap
         first, count = len(inputs) - 1 - 2 * model.contacts.count, model.contacts.count
+        rubbing = count - len(model.contacts.are)
+        are, held = model.contacts.are, model.contacts.held
         gaps = lower(model.graph, model.contacts.gap)
-        inputs[first : first + count] = gaps[0].evaluate(gaps[1], inputs[:, None])[:, 0] < 0.0
-        inputs[first : first + count][model.contacts.are.rigid] = 0.0
-    return graph.evaluate(outputs, inputs[:, None])[:, 0]
+        inputs[first : first + len(are)] = gaps[0].evaluate(gaps[1], inputs[:, None])[:, 0] < 0.0
+        inputs[first : first + len(are)][are.rigid] = 0.0
+        if count > len(are) and held is not None:  # and joints slip as they move, or stick
+            rates = lower(model.graph, held.slip[len(are) - count :])
+            inputs[first + count + len(are) : first + 2 * count] = np.sign(
+                rates[0].evaluate(rates[1], inputs[:, None])[:, 0]
+            )
+    return graph.evaluate(outputs, inputs[:, None])[:, 0], inputs[len(inputs) - 1 - rubbing : -1]
 
 
 def _require_recorded(model: RecordedModel, other: System, values: Mapping[str, float], where: str) -> None:
@@ -378,9 +398,11 @@ def _require_recorded(model: RecordedModel, other: System, values: Mapping[str, 
         raise TraceError(f"numbers of a joint, a load or a law of contact cannot be followed {where}")
 
 
-def _require_equal(system: System, t: float, y: np.ndarray, outputs: np.ndarray, where: str) -> None:
+def _require_equal(system: System, t: float, y: np.ndarray, modes: np.ndarray, outputs: np.ndarray, where: str) -> None:
     rate, row = np.zeros_like(y), np.zeros(width(system))
     workspace = system.plain_workspace()
+    if len(modes):
+        workspace.dry_memory[system.arrays["dry"][:, at.DRY_LAW] < 0, at.DRY_MODE] = modes
     with np.errstate(all="ignore"):  # what is not finite is said below
         derivative.python(workspace, t, y.copy(), rate)
         record.python(workspace, t, y.copy(), row)

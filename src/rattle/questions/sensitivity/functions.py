@@ -11,8 +11,8 @@ from rattle.analyses.straight_line.linearised import Columns, Linearised, live_w
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.language.recorded import Operand
 from rattle.questions.sensitivity.parameters import Parameters
+from rattle.trace.known_signs import SHALLOW
 from rattle.trace.lane_program import Compile
-from rattle.trace.recorded_contacts import SHALLOW
 
 ENERGIES = ("kinetic", "potential", "work", "dissipated")
 

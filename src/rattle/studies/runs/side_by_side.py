@@ -78,7 +78,8 @@ class SideBySide:
         self.program = _program(self.model, self.asked, task, self._method)
 
     def _recorded(self, beside: float) -> RecordedModel:
-        touches = len(self.task.mechanism.system.arrays["contact"]) > 0
+        arrays = self.task.mechanism.system.arrays
+        touches = len(arrays["contact"]) > 0 or bool((arrays["dry"][:, at.DRY_LAW] < 0).any())
         return self.task.mechanism.recorded(list(self.task.names), contacts=touches, beside=beside)
 
     @cached_property

@@ -1,0 +1,237 @@
+"""Friction of joints without play in a recorded model: its forces in given modes, and whether these can last.
+
+Equations: `rattle.equations.dry_friction`.  In which sense a joint with set-valued friction slips (1 or -1), or that it
+sticks (0), is an input of the graph.  The forces of all joints follow from so many steps of Newton's method; that these
+have converged, and that friction does not lock, is a guard.
+"""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle.equations import dry_friction as dry
+from rattle.equations.system import System
+from rattle.errors import TraceError
+from rattle.jit import layout as at
+from rattle.jit.choices import assume
+from rattle.language.recorded import Flag, Operand
+from rattle.solvers.dry_friction_modes import OVER, sudden
+from rattle.trace.graph import apply, select, summed
+from rattle.trace.known_signs import positive
+from rattle.trace.recorded_language import Copies
+
+ROUNDS = 6  # of Newton's method
+CONVERGED = 1e-10  # share of all forces by which its last step may change them
+MOST = 8  # joints with friction
+FIXED = 1e-11  # share of the mobility without joints that is left where these fix a coordinate
+FAINT = 1e-12  # share of its terms by which a force may be rounding
+NO_RATE, NO_FORCE = 1e-12, 1e-9  # of an acceleration, by those of bodies and by that which friction causes
+
+
+class Joint(NamedTuple):
+    """A joint with set-valued friction at one instant; `reserve` is above zero while its mode lasts."""
+
+    reserve: Operand  # limit less |tau| [N or N m], or its rate in the sense in which it slips [m/s or rad/s]
+    slack: Operand  # of that, what may be rounding
+    rate: Operand  # [m/s or rad/s], 0 where it may be rounding
+    force: Operand  # tau [N or N m]
+    ahead: Operand  # acceleration against that of sticking, 0 where it may be rounding or friction takes care of it
+
+
+class RecordedFriction:
+    """That of the joints of a system, nd of them, on symbols of one graph."""
+
+    def __init__(self, system: System, lanes: bool) -> None:
+        """lanes: set-valued friction may be recorded, with modes as inputs.
+
+        Raises TraceError for friction that cannot be recorded so.
+        """
+        self.table = system.arrays["dry"]
+        self.joints = system.dry_joints
+        self.rubs = np.flatnonzero(self.table[:, at.DRY_LAW] < 0).tolist()  # those with set-valued friction
+        self.modes: dict[int, Operand] = {}
+        self._require_able(system, lanes)
+
+    def _require_able(self, system: System, lanes: bool) -> None:
+        joints, contact = ", ".join(system.rough_joints), system.arrays["contact"]
+        if self.rubs and not lanes:
+            raise TraceError(f"dry friction sticks and slips, which straight-line code cannot follow (joints {joints})")
+        if len(self.table) > MOST:
+            raise TraceError(f"more than {MOST} joints with friction ({joints}) cannot be straight-line code")
+        for column, says, what in (
+            (at.DRY_STATES, lambda x: x > 0, "with states"), (at.DRY_FORM, lambda x: x == at.DRY_ROLLER, "of rollers")
+        ):  # fmt: skip
+            for n, entry in enumerate(self.table):
+                if says(entry[column]):
+                    raise TraceError(f"friction {what} (joint {self.joints[n]}) cannot be straight-line code")
+        if (contact[:, at.IMPACT] == 1).any():
+            raise TraceError(f"friction of joints beside impacts cannot be straight-line code (joints {joints})")
+        if len(system.arrays["massless"]):
+            raise TraceError(f"friction beside bodies without mass cannot be straight-line code (joints {joints})")
+
+    def begin(self, copies: Copies) -> None:
+        """Let friction be recorded; before any kernel is."""
+        self._copies = copies
+        self._resistance = copies.of(dry.resistance.python)
+        copies.replace(dry.resistance.python, self._resist)
+        copies.replace(dry.hold.python, self._hold)
+        copies.replace(dry.add_dry_friction.python, self._add)
+        copies.replace(dry.end_dry_friction.python, self._end)
+
+    def _resist(self, m: SimpleNamespace, n: int, normal: Operand) -> Operand:
+        """Stands for `dry_friction.resistance`: laws want normal forces above zero."""
+        force: Operand = self._resistance(m, n, positive(normal))
+        return force
+
+    def _hold(self, m: SimpleNamespace, n: int, free: Operand) -> None:
+        """Stands for `dry_friction.hold`."""
+        held: Flag = self._copies.of(dry.mobility.python)(m, n, n) <= FIXED * free
+        m.dry_memory[n, at.DRY_HELD] = select(held, 1.0, 0.0)
+        for c, x in enumerate(m.dry_response[n]):
+            m.dry_response[n, c] = select(held, 0.0, x)
+
+    def _add(self, m: SimpleNamespace) -> None:
+        """Stands for `dry_friction.add_dry_friction`."""
+        self._copies.of(dry.prepare_rows.python)(m)
+        forces = self._forces(m)
+        for n, tau in enumerate(forces):
+            m.dry_memory[n, at.DRY_FORCE] = m.dry_memory[n, at.DRY_ADDED] = tau
+        _spread(m, forces)
+
+    def _forces(self, m: SimpleNamespace) -> list[Operand]:
+        """tau of every joint; m has accelerations and multipliers without them."""
+        numbers = range(len(self.table))
+        borne, bearing, resisting = (self._copies.of(f.python) for f in (dry.borne, dry.bearing, dry.resisting))
+        bears = [bearing(m, n, m.multiplier, at.DRY_ADDED) for n in numbers]
+        per_unit = [[borne(m, n, o) for o in numbers] for n in numbers]
+        stuck = [self._stuck(m, n) for n in numbers]
+        tau: list[Operand] = [0.0 for _ in numbers]
+        change: list[Operand] = []
+        positive: Flag = True
+        for _ in range(ROUNDS):
+            rows = []
+            for n in numbers:
+                first, second = (bears[n][k] + summed(per_unit[n][o][k] * tau[o] for o in numbers) for k in range(2))
+                size, slope, slope2 = resisting(m, n, first, second)
+                sense = self._sense(n)
+                row = [
+                    (1.0 if n == o else 0.0) - sense * (slope * per_unit[n][o][0] + slope2 * per_unit[n][o][1])
+                    for o in numbers
+                ]
+                row.append(tau[n] - sense * size)
+                if n in self.modes:
+                    fixed = stuck[n]
+                    held = [*fixed[:-1], fixed[-1] + summed(a * x for a, x in zip(fixed, tau, strict=False))]
+                    row = [select(self._sticks(n), a, b) for a, b in zip(held, row, strict=True)]
+                rows.append(row)
+            change, positive = _eliminated(rows)
+            tau = [x - dx for x, dx in zip(tau, change, strict=True)]
+        size = summed(abs(x) for x in tau)
+        require = self._copies.of(assume.python)
+        require(summed(abs(x) for x in change) <= CONVERGED * size)
+        require(positive)
+        return tau
+
+    def _stuck(self, m: SimpleNamespace, n: int) -> list[Operand]:
+        """Row of the equations of a joint that sticks: what others move it by, and its acceleration without friction,
+        by its own mobility; of one that others hold tau = 0."""
+        mobility, along = (self._copies.of(f.python) for f in (dry.mobility, dry.along))
+        held = m.dry_memory[n, at.DRY_HELD] > 0.5
+        own = select(held, 1.0, mobility(m, n, n))
+        row = [1.0 if n == o else select(held, 0.0, mobility(m, n, o) / own) for o in range(len(self.table))]
+        free = along(m, n, m.acceleration, 0) - m.dry_rows[n, at.GAMMA]
+        return [*row, select(held, 0.0, free / own)]
+
+    def _sticks(self, n: int) -> Flag:
+        return abs(self.modes[n]) < 0.5
+
+    def _sense(self, n: int) -> Operand:
+        """As `dry_friction.sense_of`."""
+        return -self.modes[n] if n in self.modes else -1.0
+
+    def _end(self, m: SimpleNamespace) -> None:
+        """Stands for `dry_friction.end_dry_friction`."""
+        for n in range(len(self.table)):
+            lost = m.dry_memory[n, at.DRY_FORCE] * m.dry_memory[n, at.DRY_RATE]
+            m.power[at.LOSS_RATE] = m.power[at.LOSS_RATE] - lost
+
+    # ---------------------------------------------------------------- modes
+    def at(self, m: SimpleNamespace) -> list[Joint]:
+        """Joints with set-valued friction, at a state for which the equations of motion stand in m."""
+        return [self._joint(m, n) for n in self.rubs]
+
+    def _joint(self, m: SimpleNamespace, n: int) -> Joint:
+        memory, calls = m.dry_memory, self._copies.of
+        held, tau, rate = memory[n, at.DRY_HELD] > 0.5, memory[n, at.DRY_FORCE], memory[n, at.DRY_RATE]
+        slight, limit = calls(dry.rounding.python)(m, n), calls(dry.limit.python)(m, n)
+        rate = select(abs(rate) <= slight, 0.0, rate)
+        kept = select(held, select(apply("equal", rate, 0.0), 1.0, -1.0), limit - abs(tau))
+        ahead = calls(sudden.python)(m, n)
+        terms = abs(m.dry_rows[n, at.GAMMA])
+        a, b = self.table[n, at.DRY_A], self.table[n, at.DRY_B]
+        for k in range(3):
+            terms = terms + abs(m.dry_rows[n, at.AX + k] * m.acceleration[a, k])
+            terms = terms + abs(m.dry_rows[n, at.BX + k] * m.acceleration[b, k])
+        own = calls(dry.mobility.python)(m, n, n)
+        rounded = (abs(ahead) <= NO_RATE * terms + NO_FORCE * abs(own * tau)) | (self._sticks(n) & apply("not", held))
+        return Joint(
+            select(self._sticks(n), kept, self.modes[n] * rate),
+            select(self._sticks(n), FAINT * (limit + abs(tau)), slight), rate, tau, select(rounded, 0.0, ahead),
+        )  # fmt: skip
+
+    def rest(self, m: SimpleNamespace, state: np.ndarray) -> None:
+        """Take from the rates in a state what is left to joints that stick; see `dry_friction_modes.bring_to_rest`."""
+        nq, mobility = m.change.shape[0], self._copies.of(dry.mobility.python)
+        rows: list[list[Operand]] = []
+        numbers = range(len(self.table))
+        for n in numbers:
+            row: list[Operand] = [*(1.0 if n == o else 0.0 for o in numbers), 0.0]
+            if n in self.modes:
+                sticks = self._sticks(n) & (m.dry_memory[n, at.DRY_HELD] < 0.5)
+                own = select(sticks, mobility(m, n, n), 1.0)
+                stuck = [*(mobility(m, n, o) / own for o in numbers), m.dry_memory[n, at.DRY_RATE] / own]
+                row = [select(sticks, a, b) for a, b in zip(stuck, row, strict=True)]
+            rows.append(row)
+        taken, _ = _eliminated(rows)
+        for k in range(nq):
+            state[nq + k] = state[nq + k] - summed(x * m.dry_response[n, 3 + k] for n, x in enumerate(taken))
+
+
+def beyond(limit_left: Operand, force: Operand) -> Operand:
+    """How far |force| is above its limit, as in `dry_friction_modes.violation`; 0 if it is not."""
+    most = limit_left + abs(force)
+    return select(limit_left < -OVER * most, -limit_left / (abs(force) + most), 0.0)
+
+
+def _spread(m: SimpleNamespace, forces: list[Operand]) -> None:
+    """Add what the forces do to accelerations and multipliers."""
+    for n, tau in enumerate(forces):
+        for target, response in (
+            (m.acceleration[1:], m.dry_response[n].reshape(-1, 3)[1:]), (m.multiplier, m.dry_reaction[n]),
+        ):  # fmt: skip
+            for place in np.ndindex(target.shape):
+                target[place] = target[place] + response[place] * tau
+
+
+def _eliminated(rows: list[list[Operand]]) -> tuple[list[Operand], Flag]:
+    """x of rows (A, b) whose diagonals are about one, and whether the determinant is positive.
+
+    A coordinate that depends on others that stick needs no friction of its own, as in `dry_friction.eliminate`.
+    """
+    count = len(rows)
+    positive: Flag = True
+    for k in range(count):
+        dependent = abs(rows[k][k]) <= dry.DEPENDENT
+        rows[k] = [select(dependent, 1.0 if o == k else 0.0, x) for o, x in enumerate(rows[k])]
+        positive = positive & (rows[k][k] > 0.0)
+        for n in range(k + 1, count):
+            share = rows[n][k] / rows[k][k]
+            rows[n] = [x if o <= k else x - share * y for o, (x, y) in enumerate(zip(rows[n], rows[k], strict=True))]
+    result: list[Operand] = [0.0] * count
+    for k in reversed(range(count)):
+        value = rows[k][count] - summed(rows[k][o] * result[o] for o in range(k + 1, count))
+        result[k] = value / rows[k][k]
+    return result, positive
