@@ -42,6 +42,7 @@ CLOSE = 4e-16  # share of tau that ends them
 TILT = 1e-6  # share of N by which the slope of a law is measured
 FIRM = 1e-12  # share of its own mobility below which other joints or drivers hold a coordinate, beside massless bodies
 DEPENDENT = 1e-10  # pivot below which a coordinate depends on others, as a share of its diagonal
+LOST = 1e-3  # share of a mobility without joints that is left from which on DEPENDENT is more: of more cancels
 REST = 1e-13  # rate (or its derivative) [m, rad, s] below which a coordinate is at rest, besides rounding of its terms
 ROUNDED = 1e-13  # share of the terms of a rate that is rounding
 CONVERGED = 1e-12  # share of tau: changes below it end Newton's method once they do not decrease
@@ -232,6 +233,32 @@ def sense_of(m, n):
 
 
 @compiled
+def plain_row(m, n):
+    """Row n of `dry_system` for a joint whose tau does not depend on others, but for its right-hand side: the identity.
+
+    Its last number says how much less exactly it is known than rounding, see `eliminate`.
+    """
+    system = m.dry_system
+    for o in range(system.shape[0]):
+        system[n, o] = 1.0 if n == o else 0.0
+    system[n, system.shape[0] + 1] = 1.0
+
+
+@compiled
+def sticking_row(m, n):
+    """Row n for a joint that sticks, by its own mobility, which is returned."""
+    system, line, dry, own = m.dry_system, m.dry_rows, m.dry, mobility(m, n, n)
+    free = 0.0
+    for k in range(3):
+        a, b = dry[n, at.DRY_A], dry[n, at.DRY_B]
+        free += m.weight[a, k] * line[n, at.AX + k] ** 2 + m.weight[b, k] * line[n, at.BX + k] ** 2
+    for o in range(system.shape[0]):
+        system[n, o] = mobility(m, n, o) / own
+    system[n, system.shape[0] + 1] = max(1.0, LOST * free / own)
+    return own
+
+
+@compiled
 def set_up(m, grip):
     """Residual and Jacobian of the equations of all tau at the present estimate, into `dry_system`.
 
@@ -241,16 +268,13 @@ def set_up(m, grip):
     count = memory.shape[0]
     for n in range(count):
         tau = memory[n, at.DRY_FORCE]
-        for o in range(count):
-            system[n, o] = 1.0 if n == o else 0.0
+        plain_row(m, n)
         system[n, count] = tau
         if memory[n, at.DRY_MODE] == at.DRY_STICKS and m.dry[n, at.DRY_LAW] < 0:
             if memory[n, at.DRY_HELD] == 1.0:
                 continue
-            own = mobility(m, n, n)
-            value = (along(m, n, m.acceleration, 0) - m.dry_rows[n, at.GAMMA]) / own
+            value = (along(m, n, m.acceleration, 0) - m.dry_rows[n, at.GAMMA]) / sticking_row(m, n)
             for o in range(count):
-                system[n, o] = mobility(m, n, o) / own
                 value += system[n, o] * (memory[o, at.DRY_FORCE] - memory[o, at.DRY_ADDED])
             system[n, count] = value
             continue
@@ -270,30 +294,23 @@ def set_up(m, grip):
 
 @compiled
 def eliminate(system, count):
-    """Solve system[:, :count] x = system[:, count] in place by pivoting; x stands in the last column.
+    """Solve system[:, :count] x = system[:, count] in place; x takes the place of the right-hand side.
 
-    Rows have diagonals of about one.  Where nothing but rounding is left, x is zero: coordinates that sticking joints
-    already hold need no friction of their own.  Returns the sign of the determinant of the rest, 0 if it is not finite.
+    Rows have diagonals of about one, and pivots are taken from these.  Where nothing but rounding is left, x is zero:
+    coordinates that sticking joints already hold need no friction of their own.  Rounding is what the last column says,
+    of the row and of those before it.  Returns the sign of the determinant of the rest, 0 if it is not finite; it would
+    depend on the way if rows that depend on each other were exchanged.
     """
-    sign = 1.0
+    sign, rounded = 1.0, 1.0
     for k in range(count):
-        best = k
-        for n in range(k + 1, count):
-            if abs(system[n, k]) > abs(system[best, k]):
-                best = n
-        if best != k:
-            sign = -sign
-            for o in range(count + 1):
-                swapped = system[k, o]
-                system[k, o] = system[best, o]
-                system[best, o] = swapped
         pivot = system[k, k]
         if not abs(pivot) < math.inf:
             return 0.0
-        if abs(pivot) <= DEPENDENT:
+        if abs(pivot) <= DEPENDENT * max(rounded, system[k, count + 1]):
             for o in range(count + 1):
                 system[k, o] = 1.0 if o == k else 0.0
             continue
+        rounded = max(rounded, system[k, count + 1])
         sign = math.copysign(sign, sign * pivot)
         for n in range(k + 1, count):
             share = system[n, k] / pivot

@@ -209,7 +209,7 @@ class System:
             "dry_response": (nd, 3 * nb),
             "dry_reaction": (nd, nr),
             "dry_share": (nd, 2 * nc),
-            "dry_system": (nd, nd + 1),
+            "dry_system": (nd, nd + 2),
             "element_state": states,
             "element_rate": states,
             **also,

@@ -172,7 +172,7 @@ ARRAYS = {
     "dry_share": Array("f2", "nd, 2 nc", "", "tau per unit force of a row of the active contacts"),
     "impact_reaction": Array("f1", "nr", "N*s or N*m*s", "impulses of the joints in an impact with their friction"),
     "expected_force": Array("f1", "2 nc", "N", "forces of contacts, friction of joints being linearised there"),
-    "dry_system": Array("f2", "nd, nd + 1", "", "scratch"),
+    "dry_system": Array("f2", "nd, nd + 2", "", "scratch"),
     # given values at the start, see `equations.kept_values`
     "kept_rows": Array("f2", "nr, 3 nb", "-, -, m", "Phi_q as a matrix"),
     "kept_wide": Array("f2", "nr, 3 nb", "", "scratch"),

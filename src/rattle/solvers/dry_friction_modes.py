@@ -17,7 +17,17 @@ import math
 
 from rattle.equations.complementarity import OFF
 from rattle.equations.dependent_rows import fixed_value
-from rattle.equations.dry_friction import REST, along, eliminate, lasting, limit, mobility, rounding
+from rattle.equations.dry_friction import (
+    REST,
+    along,
+    eliminate,
+    lasting,
+    limit,
+    mobility,
+    plain_row,
+    rounding,
+    sticking_row,
+)
 from rattle.equations.motion import solve_motion
 from rattle.equations.state import take_states
 from rattle.jit import layout as at
@@ -78,11 +88,10 @@ def bring_to_rest(m, y):
     memory, system, response = m.dry_memory, m.dry_system, m.dry_response
     count, nq = memory.shape[0], m.change.shape[0]
     for n in range(count):
-        sticks = memory[n, at.DRY_MODE] == at.DRY_STICKS and memory[n, at.DRY_HELD] == 0.0 and m.dry[n, at.DRY_LAW] < 0
-        own = mobility(m, n, n) if sticks else 1.0
-        for o in range(count):
-            system[n, o] = mobility(m, n, o) / own if sticks else (1.0 if n == o else 0.0)
-        system[n, count] = memory[n, at.DRY_RATE] / own if sticks else 0.0
+        plain_row(m, n)
+        system[n, count] = 0.0
+        if memory[n, at.DRY_MODE] == at.DRY_STICKS and memory[n, at.DRY_HELD] == 0.0 and m.dry[n, at.DRY_LAW] < 0:
+            system[n, count] = memory[n, at.DRY_RATE] / sticking_row(m, n)
     if eliminate(system, count) > 0.0:
         for n in range(count):
             for k in range(nq):

@@ -7,6 +7,7 @@ have converged, and that friction does not lock, is a guard.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -61,12 +62,10 @@ class RecordedFriction:
             raise TraceError(f"dry friction sticks and slips, which straight-line code cannot follow (joints {joints})")
         if len(self.table) > MOST:
             raise TraceError(f"more than {MOST} joints with friction ({joints}) cannot be straight-line code")
-        for column, says, what in (
-            (at.DRY_STATES, lambda x: x > 0, "with states"), (at.DRY_FORM, lambda x: x == at.DRY_ROLLER, "of rollers")
-        ):  # fmt: skip
-            for n, entry in enumerate(self.table):
-                if says(entry[column]):
-                    raise TraceError(f"friction {what} (joint {self.joints[n]}) cannot be straight-line code")
+        for joint, entry in zip(self.joints, self.table, strict=True):
+            what = "with states" if entry[at.DRY_STATES] else "of discs" if entry[at.DRY_FORM] == at.DRY_ROLLER else ""
+            if what:
+                raise TraceError(f"friction {what} (joint {joint}) cannot be straight-line code")
         if (contact[:, at.IMPACT] == 1).any():
             raise TraceError(f"friction of joints beside impacts cannot be straight-line code (joints {joints})")
         if len(system.arrays["massless"]):
@@ -108,9 +107,10 @@ class RecordedFriction:
         bears = [bearing(m, n, m.multiplier, at.DRY_ADDED) for n in numbers]
         per_unit = [[borne(m, n, o) for o in numbers] for n in numbers]
         stuck = [self._stuck(m, n) for n in numbers]
+        doubts = [self._doubt(m, n) for n in numbers]
         tau: list[Operand] = [0.0 for _ in numbers]
         change: list[Operand] = []
-        positive: Flag = True
+        definite: Flag = True
         for _ in range(ROUNDS):
             rows = []
             for n in numbers:
@@ -127,12 +127,12 @@ class RecordedFriction:
                     held = [*fixed[:-1], fixed[-1] + summed(a * x for a, x in zip(fixed, tau, strict=False))]
                     row = [select(self._sticks(n), a, b) for a, b in zip(held, row, strict=True)]
                 rows.append(row)
-            change, positive = _eliminated(rows)
+            change, definite = _eliminated(rows, doubts)
             tau = [x - dx for x, dx in zip(tau, change, strict=True)]
         size = summed(abs(x) for x in tau)
         require = self._copies.of(assume.python)
         require(summed(abs(x) for x in change) <= CONVERGED * size)
-        require(positive)
+        require(definite)
         return tau
 
     def _stuck(self, m: SimpleNamespace, n: int) -> list[Operand]:
@@ -144,6 +144,17 @@ class RecordedFriction:
         row = [1.0 if n == o else select(held, 0.0, mobility(m, n, o) / own) for o in range(len(self.table))]
         free = along(m, n, m.acceleration, 0) - m.dry_rows[n, at.GAMMA]
         return [*row, select(held, 0.0, free / own)]
+
+    def _doubt(self, m: SimpleNamespace, n: int) -> Operand:
+        """How much less exactly than rounding the row of a joint that sticks is known, see `dry_friction.eliminate`."""
+        if n not in self.modes:
+            return 1.0
+        free: Operand = 0.0
+        for body, first in ((self.table[n, at.DRY_A], at.AX), (self.table[n, at.DRY_B], at.BX)):
+            free = free + summed(m.weight[body, k] * m.dry_rows[n, first + k] ** 2 for k in range(3))
+        sticks = self._sticks(n) & (m.dry_memory[n, at.DRY_HELD] < 0.5)
+        doubt = dry.LOST * free / self._copies.of(dry.mobility.python)(m, n, n)
+        return select(sticks & (doubt > 1.0), doubt, 1.0)
 
     def _sticks(self, n: int) -> Flag:
         return abs(self.modes[n]) < 0.5
@@ -195,7 +206,7 @@ class RecordedFriction:
                 stuck = [*(mobility(m, n, o) / own for o in numbers), m.dry_memory[n, at.DRY_RATE] / own]
                 row = [select(sticks, a, b) for a, b in zip(stuck, row, strict=True)]
             rows.append(row)
-        taken, _ = _eliminated(rows)
+        taken, _ = _eliminated(rows, [self._doubt(m, n) for n in numbers])
         for k in range(nq):
             state[nq + k] = state[nq + k] - summed(x * m.dry_response[n, 3 + k] for n, x in enumerate(taken))
 
@@ -216,15 +227,18 @@ def _spread(m: SimpleNamespace, forces: list[Operand]) -> None:
                 target[place] = target[place] + response[place] * tau
 
 
-def _eliminated(rows: list[list[Operand]]) -> tuple[list[Operand], Flag]:
-    """x of rows (A, b) whose diagonals are about one, and whether the determinant is positive.
+def _eliminated(rows: list[list[Operand]], doubts: Sequence[Operand]) -> tuple[list[Operand], Flag]:
+    """x of rows (A, b) whose diagonals are about one, and whether all pivots are positive.
 
     A coordinate that depends on others that stick needs no friction of its own, as in `dry_friction.eliminate`.
     """
     count = len(rows)
     positive: Flag = True
+    rounded: Operand = 1.0
     for k in range(count):
-        dependent = abs(rows[k][k]) <= dry.DEPENDENT
+        doubt = select(doubts[k] > rounded, doubts[k], rounded)
+        dependent = abs(rows[k][k]) <= dry.DEPENDENT * doubt
+        rounded = select(dependent, rounded, doubt)
         rows[k] = [select(dependent, 1.0 if o == k else 0.0, x) for o, x in enumerate(rows[k])]
         positive = positive & (rows[k][k] > 0.0)
         for n in range(k + 1, count):

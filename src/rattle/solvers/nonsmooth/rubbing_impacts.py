@@ -26,10 +26,12 @@ from rattle.equations.dry_friction import (
     borne_from,
     eliminate,
     mobility,
+    plain_row,
     prepare_rows,
     presses_roller,
     pressing,
     rounding,
+    sticking_row,
 )  # fmt: skip
 from rattle.equations.state import DISSIPATED, energies_at
 from rattle.jit import layout as at
@@ -89,12 +91,10 @@ def fill_system(m):
     count = memory.shape[0]
     for n in range(count):
         mode = memory[n, at.IMPACT_MODE]
-        for o in range(count):
-            system[n, o] = 1.0 if n == o else 0.0
+        plain_row(m, n)
         system[n, count] = 0.0
         if mode == at.DRY_STICKS:
-            for o in range(count):
-                system[n, o] = mobility(m, n, o) / mobility(m, n, n)
+            sticking_row(m, n)
         elif mode != NONE:
             first, second = bearing(m, n, m.impact_reaction, at.IMPACT_FRICTION)
             _, slope, slope2 = pressing(m, n, first, second)
