@@ -8,10 +8,9 @@ import pytest
 import rattle as rt
 from balls import RIGID as RIGID_STOP
 from balls import G, ball
+from lane_runs import FINE, alone, assert_alike, side_by_side
 from rattle.analyses.straight_line.starts import Starts
-from rattle.studies.runs.task import task_of
 
-FINE = {"rtol": 1e-11, "atol": 1e-14}
 PRESSED = 'stiffness = 2e9, exponent = 1.5, restitution = "e", bush_radius = 0.01'
 RUBS = 'friction = { model = "ambrosio", mu = "mu", v0 = 0.01, v1 = 0.1 }'
 RIGID = '{ model = "impact", restitution = "e", friction = "mu", bush_radius = 0.01 }'
@@ -72,29 +71,6 @@ contact = {{ model = "impact", restitution = 0, friction = "mu" }}
 block = {{ x = 0, y = 0.1, angle = 0, vx = {vx}, vy = 0, omega = 0 }}
 {more}
 """
-
-
-def alone(m, samples, outputs, t_end, **options):
-    """Outputs (outputs, n) of samples that run one by one."""
-    task = task_of(m, list(samples), outputs, t_end=t_end, **options)
-    return np.array(
-        [task.run([values[i] for values in samples.values()]).outputs for i in range(len(next(iter(samples.values()))))]
-    ).T
-
-
-def side_by_side(m, samples, outputs, t_end, **options):
-    """The answer, none of whose samples ran one by one; its values (outputs, n)."""
-    found = m.many(samples, t_end=t_end, outputs=outputs, **options)
-    assert not len(found.generic), found.stats["how"]
-    return found, np.array([found[output] for output in outputs])
-
-
-def assert_alike(m, samples, outputs, t_end, rel=1e-6, abs=1e-11, **options):
-    options = options or FINE
-    _, together = side_by_side(m, samples, outputs, t_end, **options)
-    single = alone(m, samples, outputs, t_end, **options)
-    for output, got, want in zip(outputs, together, single, strict=True):
-        assert got == pytest.approx(want, rel=rel, abs=abs, nan_ok=True), output
 
 
 # ---------------------------------------------------------------- closed forms

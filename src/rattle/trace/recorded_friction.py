@@ -153,7 +153,7 @@ class RecordedFriction:
         for body, first in ((self.table[n, at.DRY_A], at.AX), (self.table[n, at.DRY_B], at.BX)):
             free = free + summed(m.weight[body, k] * m.dry_rows[n, first + k] ** 2 for k in range(3))
         sticks = self._sticks(n) & (m.dry_memory[n, at.DRY_HELD] < 0.5)
-        doubt = dry.LOST * free / self._copies.of(dry.mobility.python)(m, n, n)
+        doubt = dry.LOST * free / select(sticks, self._copies.of(dry.mobility.python)(m, n, n), 1.0)
         return select(sticks & (doubt > 1.0), doubt, 1.0)
 
     def _sticks(self, n: int) -> Flag:
