@@ -266,13 +266,54 @@ def test_crossings_are_those_of_the_curve():
 def test_bifurcation_does_not_depend_on_threads_and_shows_period_doubling():
     values = np.linspace(5.5, 12.0, 6)
     runs = [
-        duffing(1.0).bifurcation("F", values, "mass.x", period=2 * math.pi, skip=60, points=16, threads=n)
+        duffing(1.0).bifurcation("F", values, "mass.x", period=2 * math.pi, skip=60, points=64, threads=n)
         for n in (1, 4)
     ]
     assert np.array_equal(runs[0].points, runs[1].points)
-    assert runs[0].points.shape == (6, 16)
+    assert runs[0].points.shape == (6, 64)
     assert np.ptp(runs[0].points[-1]) > 1.0  # chaos at F = 12
     assert runs[0].plot().axes[0].get_xlabel() == "F [N]"
+
+
+STOPPED = """
+format = 1
+parameters = { w = 4.0, k = 2000.0 }
+ground.points = { O = [0, 0], Q = [-1, 0] }
+bodies.b = { points = { C = [0, 0] }, mass = 1, inertia = 1 }
+[joints.rail]
+type = "prismatic"
+connect = ["ground.O", "b.C"]
+axis = 0
+angle = 0
+stop = { max = 0.01, contact = CONTACT }
+[loads]
+spring = { type = "spring", connect = ["ground.Q", "b.C"], stiffness = 10, damping = 0.5, free_length = 1 }
+push = { type = "force", at = "b.C", force = ["cos(w*t)", 0] }
+"""
+LAWS = {
+    "compliant": '{ model = "hunt-crossley", stiffness = "k", exponent = 1, restitution = 0.6 }',
+    "rigid": '{ model = "impact", restitution = 0.6 }',
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_bifurcation_with_contacts_runs_side_by_side(law):
+    """At these speeds the motion is regular: each point is that of a run alone."""
+    m, w = rt.loads(STOPPED.replace("CONTACT", LAWS[law])), np.array([3.4, 4.0])
+    found = m.bifurcation("w", w, "b.vx", period="2*pi/w", skip=60, points=4)
+    assert found.how == "2 run side by side"
+    for speed, points in zip(w, found.points, strict=True):
+        alone = m.set(w=speed).poincare("b.vx", period="2*pi/w", skip=60, points=4)
+        assert alone["b.vx"] == pytest.approx(points, abs=1e-6)
+
+
+def test_a_bifurcation_says_what_ran_one_by_one():
+    m = rt.loads(STOPPED.replace("CONTACT", LAWS["rigid"]))
+    found = m.bifurcation("w", [3.4], "b.x", period="2*pi/w", skip=0, points=2)
+    assert found.how == "1 one by one: the start is a point"
+    path = m.bifurcation("loads.spring.damping", [0.4, 0.5], "b.x", period=1.5, skip=2, points=2)
+    assert path.how.startswith("2 one by one: no parameter 'loads.spring.damping'")
+    assert np.isfinite(path.points).all()
 
 
 def test_driver_period_is_one_turn():
@@ -310,6 +351,7 @@ def test_stroboscope_follows_the_frequency_of_a_load():
     expected = (1.0 / (4.0 - values**2 + 1j * values)).real
     np.testing.assert_allclose(found.points, expected[:, None] * [1, 1, 1], atol=1e-6)
     assert "2*pi/w" in found.rule
+    assert found.how == "3 run side by side"
     section = m.set(w=2.9).poincare("b.x", "b.vx", period="2*pi/w", skip=30, points=3)
     np.testing.assert_allclose(section["b.x"], found.points[2], atol=1e-9)
     assert "at every value" in m.bifurcation("w", values, "b.x", period="2*pi/bare", skip=1, points=1).rule

@@ -270,8 +270,9 @@ class Batch:
         plan[PLAN.index("still")] = stock.still[columns]
         self._put("control", lanes, control)
 
-    def go_on(self, lanes: np.ndarray, stop: float) -> None:
-        """Let lanes that are through, at a stop of the program, go on to another one [s]; the step length is kept."""
+    def go_on(self, lanes: np.ndarray, stop: float | np.ndarray) -> None:
+        """Let lanes that are through, at a stop of the program, go on to another one [s], or each to its own; the step
+        length is kept."""
         control = self._lane("control", lanes)
         control[RUNNING], control[STATUS], control[NUMBER] = 1.0, GOING_ON, 0.0
         control[len(CONTROL) - len(PLAN) + PLAN.index("stop")] = stop

@@ -59,11 +59,13 @@ WORDS = {
 
 
 class Stops(NamedTuple):
-    """Instants [s] at which steps end, the last one is the end; equal steps before each, numbers and lengths [s]."""
+    """Instants [s] at which steps end, the last one is the end; equal steps before each, numbers and lengths [s]; how
+    long a step is at most where long ones would miss something [s]."""
 
     instants: Sequence[float]
     counts: Sequence[float]
     lengths: Sequence[float]
+    short: float
 
 
 def report_rows(ledger: Ledger, meets: Meets | None = None) -> list[int]:
@@ -129,7 +131,7 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         turned = meeting.turn(proposed, lane)
         reached = select(turned.lost, float(Status.CONTACTS), reached)
         reached = select(turned.unkept, float(Status.ASSUMPTION), reached)
-        longest = meeting.longest_at_rest(stops.instants[-1] / SHORT)
+        longest = meeting.longest_at_rest(stops.short)
         ahead = select(meeting.rests(turned.touch), least(turned.ahead, longest), turned.ahead)
     landed = good & last
     number = number + one(landed)

@@ -26,6 +26,8 @@ from rattle.trace.peak import peak
 from rattle.trace.recording import Recorder
 
 SHARP = 1e-11  # share of the step that first went beyond a contact by which the instant of the contact may be missed
+OF_TIME = 2.3e-16  # share of the time with the speed of bodies by which their places may be rounding
+IN_TIME = 8e-15  # share of the time likewise: so much is rounding of an instant
 RESOLVED = 1e-7  # share of the largest position by which one must change for the change to tell rates
 CAUTION = 0.7  # share of the longest step that a bound allows which is tried next
 LEAST_SHARE, MOST_SHARE = 0.2, 0.5  # of a step in doubt that is tried next
@@ -74,7 +76,9 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
     group = {name: row[place] for name, place in tile.places.items()}
     touch, ends, midway = Touch(meets, group["touch"]), Ends(meets, group["ends"]), group["midway"]
     h, still = group["planned"][0], group["control"][-2]
-    reach = select(group["control"][-1] > 0.0, touch.lane["hit length"], 0.0)
+    t = group["planned"][1]
+    missed = largest(SHARP * touch.lane["hit length"], IN_TIME * t)
+    missed = select(group["control"][-1] > 0.0, missed, 0.0)
     recorder = Recorder(graph)
     m = _step_arrays(tile, meets, method, ny, watched, row)
     hit: Flag = False
@@ -95,11 +99,11 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
         if n in meets.held and n not in meets.rigid:
             released = code > 1.5
         gap = _Gap(
-            recorder, m, n, shut | released, h, (touch.gap[n], touch.rate[n]), (ends.gap[n], ends.rate[n]),
+            recorder, m, n, shut | released, t, h, (touch.gap[n], touch.rate[n]), (ends.gap[n], ends.rate[n]),
             (midway[n], midway[meets.n + n]),
         )  # fmt: skip
         deep = deep | ((code < 0.5) & (gap.end < -DEEP * m.lever[n, at.GAP_SCALE]))
-        seen = [gap.looked_at(reach)]
+        seen = [gap.looked_at(missed)]
         if n in meets.held:
             k, first = meets.held.index(n), 2 * meets.n + len(meets.peaks)
             values = [
@@ -110,12 +114,12 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
                     ("reserve", select(apply("equal", touch.speed[n], 0.0), 2.0 * ends.held["faint"][k], 0.0)),
                 ))
             ]  # fmt: skip
-            seen = _held_looks(meets, n, seen[0], values, h, reach, shut, released)
+            seen = _held_looks(meets, n, seen[0], values, h, missed, shut, released)
             spent.append(seen[1].arrives)
             low.append(gap.low_bounce(m, n))
         near.append(seen[0].arrives)
         looks += seen
-    rubs = _rubbing_looks(meets, touch, ends, midway, h, reach)
+    rubs = _rubbing_looks(meets, touch, ends, midway, h, missed)
     spent += _together(meets, touch, ends, [look.arrives for look in rubs])
     low += [0.0] * len(rubs)
     for look in (*looks, *rubs):
@@ -191,25 +195,25 @@ _NOTHING = _Look(False, False, True, FAR, FAR, FAR)
 
 def _held_looks(
     meets: Meets, n: int, gap: _Look, values: Sequence[tuple[Operand, ...]], h: Operand,
-    reach: Operand, shut: Flag, released: Flag,
+    missed: Operand, shut: Flag, released: Flag,
 ) -> list[_Look]:  # fmt: skip
     """What a step shows of a contact that ends where its force does, and whether it slips or sticks no longer.
 
     A compliant one that is without force inside its wall may push again instead; an open clutch waits for its rate.
     """
-    pressed, reserve = (_reserve_at(h, reach, *row) for row in values)
+    pressed, reserve = (_reserve_at(h, missed, *row) for row in values)
     if meets.table[n, at.LEVEL]:
         return [pressed.instead_of(_NOTHING, shut), reserve.instead_of(_NOTHING, apply("not", shut))]
     looks = [pressed.instead_of(gap, shut)]
     if n in meets.rigid:
         return [*looks, reserve.instead_of(_NOTHING, shut)]
     start, middle, end, most, floor = values[0]
-    again = _reserve_at(h, reach, -start, -middle, -end, most, floor)
+    again = _reserve_at(h, missed, -start, -middle, -end, most, floor)
     return [*looks, again.instead_of(_NOTHING, released)]
 
 
 def _rubbing_looks(
-    meets: Meets, touch: Touch, ends: Ends, midway: Sequence[Operand], h: Operand, reach: Operand
+    meets: Meets, touch: Touch, ends: Ends, midway: Sequence[Operand], h: Operand, missed: Operand
 ) -> list[_Look]:
     """What a step shows of how joints that rub slip, or stick."""
     looks, first = [], 2 * meets.n + len(meets.peaks) + len(meets.held)
@@ -217,7 +221,7 @@ def _rubbing_looks(
         k = meets.held.index(n)
         start, most = touch.held["reserve"][k], touch.held["most reserve"][k]
         end, floor = ends.held["reserve"][k], ends.held["faint"][k]
-        looks.append(_reserve_at(h, reach, start, midway[first + k], end, most, floor))
+        looks.append(_reserve_at(h, missed, start, midway[first + k], end, most, floor))
     return looks
 
 
@@ -236,7 +240,7 @@ def _together(meets: Meets, touch: Touch, ends: Ends, arrive: Sequence[Flag]) ->
 
 
 def _reserve_at(
-    h: Operand, reach: Operand, start: Operand, middle: Operand, end: Operand, most: Operand, floor: Operand
+    h: Operand, missed: Operand, start: Operand, middle: Operand, end: Operand, most: Operand, floor: Operand
 ) -> _Look:
     """What three values say of the force of a rigid contact, or of what keeps it slipping or sticking.
 
@@ -247,8 +251,8 @@ def _reserve_at(
     curve = Polynomial([start, rises, bend], rises + 2.0 * bend)
     size = largest(largest(most, abs(middle)), largest(abs(start), abs(end)))
     slight = largest(SLIGHT * size, floor)
-    close = largest(slight, SHARP * reach / largest(h, LITTLE) * abs(curve.ends))
-    arrives = ((curve.ends < 0.0) & (abs(end) <= close)) | ((reach > 0.0) & (abs(end) <= NOTHING_LEFT * size))
+    close = largest(slight, missed / largest(h, LITTLE) * abs(curve.ends))
+    arrives = ((curve.ends < 0.0) & (abs(end) <= close)) | ((missed > 0.0) & (abs(end) <= NOTHING_LEFT * size))
     arrives = arrives & (size > floor)
     close = select(arrives, largest(close, NOTHING_LEFT * size), slight)
     low = least(start, 0.0) - close
@@ -265,10 +269,10 @@ class _Gap:
     """
 
     def __init__(
-        self, recorder: Recorder, m: SimpleNamespace, n: int, shut: Flag, h: Operand, start: tuple[Operand, Operand],
-        last: tuple[Operand, Operand], midway: tuple[Operand, Operand],
+        self, recorder: Recorder, m: SimpleNamespace, n: int, shut: Flag, t: Operand, h: Operand,
+        start: tuple[Operand, Operand], last: tuple[Operand, Operand], midway: tuple[Operand, Operand],
     ) -> None:  # fmt: skip
-        """start, last, midway: gap and its rate."""
+        """t: at the end [s]; start, last, midway: gap and its rate."""
         (gap, rate), (end, end_rate) = start, last
         bounds, sweep, rounding = (
             recorder.recorded(f.python) for f in (gap_search.bounds, gap_search.sweep, gap_search.rounding)
@@ -278,7 +282,7 @@ class _Gap:
         self.bend, _, self.turning, _ = bounds(m, h, n)
         turns, distance = sweep(m, n, self.bend, h, select(shut, 0.0, largest(self.gap, self.end)))
         self.bent = self.bend + turns * turns * distance
-        self.slight = rounding(m, n)
+        self.slight = rounding(m, n) + OF_TIME * abs(t) * _speed(m, n)
         rounded, radius = float(m.lever[n, at.ROUNDED]), m.lever[n, at.GAP_SCALE]
         way = {0.0: 0.0, 1.0: -1.0, 2.0: 1.0}[rounded]
 
@@ -304,12 +308,12 @@ class _Gap:
         height = largest(LOW * m.lever[n, at.GAP_SCALE], LOW_OF_GAP * m.lever[n, at.GAP_SIZE])
         return largest(height, self.slight)
 
-    def looked_at(self, reach: Operand) -> _Look:
-        """reach: length of the step that first went beyond a contact [s], 0: this one does not try to land there."""
+    def looked_at(self, missed: Operand) -> _Look:
+        """missed: time by which an instant of contact may be missed [s], 0: this step does not try to end there."""
         h, bent = self.h, self.bent
         # beyond its zero already, by rounding or where it has turned back at once, and on its way farther
         inside = (self.gap <= 0.0) & (self.rate <= 0.0)
-        close = largest(self.slight, SHARP * reach * abs(self.end_rate))
+        close = largest(self.slight, missed * abs(self.end_rate))
         close = select(inside, largest(close, TURNS_BACK * abs(self.gap)), close)
         arrives = (self.end_rate < 0.0) & (abs(self.end) <= close)
         low = select(inside, 0.0, least(self.gap, 0.0)) - select(arrives, close, self.slight)
@@ -323,6 +327,20 @@ class _Gap:
         soon = least(0.5, abs(self.gap) / largest(h * abs(self.rate), LITTLE))
         zero = select(inside, largest(soon, LEAST_SOON), self.curve.zero())
         return _Look(arrives, self.end < low, free | (arrives & inside), allowed, zero, self.curve.beyond())
+
+
+def _speed(m: SimpleNamespace, n: int) -> Operand:
+    """Of the bodies of contact n at the end of the step [m/s or rad/s]: by so much places go with rounding of time, as
+    of what a driver moves."""
+    total: Operand = 0.0
+    for end in range(2):
+        i = m.contact[n, at.A_BODY + end]
+        if i > 0:
+            x, y, angle = m.state_new[len(m.change) + 3 * i - 3 : len(m.change) + 3 * i]
+            turns = abs(angle)
+            along = abs(x) + abs(y) + m.lever[n, end] * turns
+            total = total + select(m.lever[n, at.ANGULAR] > 0.0, turns, along)
+    return total
 
 
 def _step_arrays(

@@ -15,7 +15,7 @@ from rattle.trace.graph import Graph
 from rattle.trace.lane_aside import results
 from rattle.trace.lane_chain import Chain, Function, one_by_one
 from rattle.trace.lane_contacts import Meets
-from rattle.trace.lane_control import Stops, settle
+from rattle.trace.lane_control import SHORT, Stops, settle
 from rattle.trace.lane_gaps import Tile, meet, middle
 from rattle.trace.lane_methods import Method, Tolerances
 from rattle.trace.lane_rows import laid_out
@@ -62,11 +62,12 @@ class Program:
 
     def __init__(
         self, model: Model, compile: Compile, method: Method, reductions: Sequence[Reduction], t_end: float, *,
-        tolerances: Tolerances = USUAL, step: float = math.inf, chain: Chain = one_by_one, tiled: bool = False,
+        tolerances: Tolerances = USUAL, step: float = math.inf, short: float | None = None, chain: Chain = one_by_one, tiled: bool = False,
         energy_limit: float = ENERGY_LIMIT, most_steps: int = MOST_STEPS,
     ) -> None:  # fmt: skip
-        """step: the longest one of a method with equal steps [s]; tolerances: of the others; tiled: lanes are
-        worked on in tiles that fit into the cache, else all together.
+        """step: the longest one of a method with equal steps [s]; tolerances: of the others; short: a step that is
+        short beside what is looked at [s]; tiled: lanes are worked on in tiles that fit into the cache, else all
+        together.
 
         Raises InputError for reductions that the model or the span does not have.
         """
@@ -103,7 +104,8 @@ class Program:
             self.first_try = compile(*methods.first_try(tolerances, model.ny, model.motion, t_end))
             self.first_step = compile(*methods.first_step(method, tolerances, model.ny, model.motion, t_end))
         self.start, self.close = compile(*ledger.start()), compile(*ledger.close())
-        stops = Stops(self.stops.tolist(), [float(n) for n in counts], lengths)
+        short = t_end / SHORT if short is None else short
+        stops = Stops(self.stops.tolist(), [float(n) for n in counts], lengths, short)
         self.settle = compile(*settle(ledger, stops, method.adaptive, most_steps, model.meets))
         if ledger.watched:
             self.aside = compile(*results(ledger, method, model.ny, self.later))

@@ -5,17 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 
 from rattle.analyses import arguments
 from rattle.analyses.dynamics.run import stop
-from rattle.errors import InputError, SolverError
+from rattle.errors import InputError, ModelError, SolverError, TraceError
 from rattle.language.times import Seconds
 from rattle.progress_bar import progress_bar
 from rattle.questions.poincare.compute import period_of
 from rattle.results.display import quantity, table
+from rattle.studies.runs.runner import cores
+from rattle.studies.runs.side_by_side import SideBySide
+from rattle.studies.runs.task import task_of
+from rattle.trace.lane_control import Status
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,6 +27,11 @@ if TYPE_CHECKING:
 
     from rattle.mechanism import Mechanism
     from rattle.results.result import Result
+
+
+SEEN = 10.0  # periods of a driver in which nothing that is short beside them is missed
+
+Run = Callable[["Mechanism", np.ndarray], tuple[np.ndarray, "Result"]]
 
 
 @dataclass(frozen=True, repr=False)
@@ -37,6 +46,7 @@ class Bifurcation:
     points: np.ndarray  # (k, points) of the output [SI]; nan where a run ended early
     rule: str
     interrupted: bool = False  # stopped by the user; points at values that were not reached are nan
+    how: str = ""  # how many ran side by side, and why others did not
 
     def _repr_html_(self) -> str:
         finite = self.points[np.isfinite(self.points)]
@@ -96,37 +106,105 @@ def bifurcation(
     if not chosen.size or chosen.ndim != 1:
         raise InputError("values of the parameter: expected a one-dimensional array with at least one value")
     changed = [m.neighbour({parameter: float(value)}) for value in chosen]
-
-    def run(neighbour: Mechanism) -> tuple[np.ndarray, Result]:
-        if stop.is_set():
-            raise KeyboardInterrupt
-        times = period_of(neighbour, period) * (skip + np.arange(points))
-        r = neighbour.simulate(float(times[-1]), t_eval=times, method=method, rtol=rtol, atol=atol, step=step)
-        if r.interrupted:
-            stop.set()  # here, so that no other run begins
-            raise KeyboardInterrupt
-        sampled = np.full(points, np.nan)
-        sampled[: len(r.t)] = r[of]
-        return sampled, r
-
+    times = np.array([period_of(neighbour, period) * (skip + np.arange(points)) for neighbour in changed])
+    how = {"method": method, "rtol": m.model.settings.rtol if rtol is None else rtol, "atol": atol, "step": step}
+    seen = np.full(times.shape, np.nan)
     bar = progress_bar(len(changed), "bifurcation", unit="run") if progress else None
-    rows, first = _rows(run, changed, threads, bar)
-    interrupted = len(rows) < len(changed)
-    if not (interrupted or first.success or np.isfinite(rows).any()):
-        where = f"the first one at t = {first.trust.t_end:.6g} s, {first.message}"
-        raise SolverError(f"no point: every run stopped before {skip} periods were over, {where}", first)
+    try:
+        together = _side_by_side(m, parameter, chosen, of, times, how, threads or cores(), bar)
+        seen[together.done] = together.points[together.done]
+        unit, failure = together.unit, None
+        alone = [] if together.interrupted else np.flatnonzero(~together.done).tolist()
+        rows: list[np.ndarray] = []
+        if alone:
+            try:
+                rows, first = _rows(_run(of, how), [changed[n] for n in alone], times[alone], threads, bar)
+                unit, failure = first.unit(of), None if first.success else first
+            except KeyboardInterrupt:
+                if not together.done.any():
+                    raise
+            seen[alone[: len(rows)]] = np.reshape(rows, (-1, points))
+    finally:
+        if bar is not None:
+            bar.close()
+    through = int(together.done.sum()) + len(rows)
+    interrupted = through < len(changed)
+    if failure is not None and not (interrupted or np.isfinite(seen).any()):
+        where = f"the first one at t = {failure.trust.t_end:.6g} s, {failure.message}"
+        raise SolverError(f"no point: every run stopped before {skip} periods were over, {where}", failure)
     what = m.model.parameters.get(parameter)
     rule = _rule(changed, period)
     if interrupted:
-        rule += f", stopped by the user after {len(rows)} of {len(chosen)} values"
-        rows += [np.full(points, np.nan)] * (len(chosen) - len(rows))
+        rule += f", stopped by the user after {through} of {len(chosen)} values"
     return Bifurcation(
-        parameter, chosen, what.unit if what else "", of, first.unit(of), np.array(rows), rule, interrupted
+        parameter, chosen, what.unit if what else "", of, unit, seen, rule, interrupted, together.words(len(alone))
     )
 
 
+class _Together(NamedTuple):
+    """What was seen of values that ran side by side."""
+
+    points: np.ndarray  # (k, points) [SI]
+    done: np.ndarray  # (k,) True where all are there
+    unit: str = ""
+    why: str = ""  # why the others, or all, could not
+    interrupted: bool = False
+
+    def words(self, alone: int) -> str:
+        """How the runs ran, in words; so many ran one by one."""
+        count = int(self.done.sum())
+        parts = [f"{count} run side by side"] if count else []
+        return ", ".join([*parts, *([f"{alone} one by one: {self.why}"] if alone else [])])
+
+
+def _side_by_side(
+    m: Mechanism, parameter: str, chosen: np.ndarray, of: str, times: np.ndarray, how: dict[str, Any], threads: int,
+    bar: Any,
+) -> _Together:  # fmt: skip
+    """Points of all values that lanes can vouch for."""
+    none = _Together(np.full(times.shape, np.nan), np.zeros(len(times), dtype=bool))
+    if not times[:, 0].all():
+        return none._replace(why="the start is a point")
+    try:
+        together = SideBySide(
+            task_of(m, [parameter], [f"final({of})"], t_end=float(times.max()), **how), SEEN * times[0, 0]
+        )
+        strobe = together.strobe(chosen[None], times)
+    except (TraceError, InputError, ModelError) as error:  # what is wrong of these, runs alone say
+        return none._replace(why=str(error))
+    interrupted = False
+    try:
+        strobe.run(min(threads, len(chosen)), None if bar is None else bar.update)
+    except KeyboardInterrupt:
+        interrupted = True
+    done = strobe.status == Status.DONE
+    if interrupted and not done.any():
+        raise KeyboardInterrupt
+    failed = sorted({Status(int(status)).words for status in strobe.status[~done]})
+    (row,) = together.asked.rows[0]
+    unit = together.task.outputs[0].unit
+    return _Together(strobe.values[row], done, unit, "; ".join(failed), interrupted)
+
+
+def _run(of: str, how: dict[str, Any]) -> Run:
+    """What runs one mechanism and gives its points at times (n,) [s]."""
+
+    def run(neighbour: Mechanism, times: np.ndarray) -> tuple[np.ndarray, Result]:
+        if stop.is_set():
+            raise KeyboardInterrupt
+        r = neighbour.simulate(float(times[-1]), t_eval=times, **how)
+        if r.interrupted:
+            stop.set()  # here, so that no other run begins
+            raise KeyboardInterrupt
+        sampled = np.full(len(times), np.nan)
+        sampled[: len(r.t)] = r[of]
+        return sampled, r
+
+    return run
+
+
 def _rows(
-    run: Callable[[Mechanism], tuple[np.ndarray, Result]], changed: Sequence[Mechanism], threads: int | None, bar: Any
+    run: Run, changed: Sequence[Mechanism], times: np.ndarray, threads: int | None, bar: Any
 ) -> tuple[list[np.ndarray], Result]:
     """Points of all mechanisms, or of those before Ctrl-C, and the result of the first."""
     rows: list[np.ndarray] = []
@@ -134,8 +212,9 @@ def _rows(
     try:
         for k in range(len(changed)):
             if k == 0:  # the first run alone, because it compiles
-                row, first = run(changed[0])
-                waiting = [pool.submit(lambda neighbour: run(neighbour)[0], neighbour) for neighbour in changed[1:]]
+                row, first = run(changed[0], times[0])
+                later = zip(changed[1:], times[1:], strict=True)
+                waiting = [pool.submit(lambda *one: run(*one)[0], *one) for one in later]
             else:
                 row = waiting[k - 1].result()
             rows.append(row)
@@ -148,6 +227,4 @@ def _rows(
     finally:
         pool.shutdown(cancel_futures=True)
         stop.clear()
-        if bar is not None:
-            bar.close()
     return rows, first

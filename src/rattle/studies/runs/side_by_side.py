@@ -34,6 +34,7 @@ from rattle.trace.elementary import lower
 from rattle.trace.lane_batch import Tallies
 from rattle.trace.lane_control import SHORT, Status
 from rattle.trace.lane_program import MOST_STEPS, Program
+from rattle.trace.lane_strobe import Strobe
 from rattle.trace.reductions import EXTREMES
 
 MOST_OPERATIONS = 20_000  # of right-hand side, projection and curves; beyond, machine code is slow to make
@@ -60,8 +61,9 @@ class SideBySide:
     Raises TraceError, with the reason, where there is none.
     """
 
-    def __init__(self, task: Task) -> None:
-        self.task = task
+    def __init__(self, task: Task, span: float | None = None) -> None:
+        """span: time beside which steps are short that miss nothing [s]; the whole run, if not given."""
+        self.task, self._span = task, task.t_end if span is None else span
         usual = task.analysis in DRIVEN or task.how.method in (None, EVENT_DRIVEN)
         self._method = usual_stepper(FREE) if usual else str(task.how.method)
         _require_lanes(task, self._method)
@@ -75,7 +77,7 @@ class SideBySide:
                 f"its {size} operations are more than the {MOST_OPERATIONS} up to which straight-line code pays"
             )
         self.asked = Asked(self.model, task.outputs)
-        self.program = _program(self.model, self.asked, task, self._method)
+        self.program = _program(self.model, self.asked, task, self._method, self._span)
 
     def _recorded(self, beside: float) -> RecordedModel:
         arrays = self.task.mechanism.system.arrays
@@ -88,7 +90,7 @@ class SideBySide:
         model = self._recorded(BESIDE)
         asked = Asked(model, self.task.outputs)
         same = asked.reductions == self.asked.reductions and asked.rows == self.asked.rows
-        return _program(model, asked, self.task, self._method) if same else None
+        return _program(model, asked, self.task, self._method, self._span) if same else None
 
     def _outcome(self, values: np.ndarray, threads: int, progress: Callable[[int, int], None] | None) -> lanes.Outcome:
         """Samples side by side; those that come next to a singular position again, by the careful program."""
@@ -122,6 +124,15 @@ class SideBySide:
         outputs = np.where(failed | beyond, np.nan, np.array(computed))
         messages = dict.fromkeys(np.flatnonzero(endless & ~beyond).tolist(), given_up(most or 0))
         return Together(outputs, failed | beyond, messages, reasons, int(outcome.steps.sum()), outcome.tallies)
+
+    def strobe(self, values: np.ndarray, times: np.ndarray) -> Strobe:
+        """Samples with values (k, n) [SI] of the parameters that differ, to be seen at times (n, p) [s] of their own.
+
+        Raises TraceError where what is asked for may be a force that towers with a rigid contact.
+        """
+        if self.asked.forces:
+            raise TraceError("forces may tower with rigid contacts, which only runs alone tell")
+        return Strobe(self.program, values, times)
 
     def _towering(self, values: np.ndarray) -> np.ndarray:
         """(n,) samples in which the largest force of a joint with a rigid contact is far above what is usual."""
@@ -187,15 +198,15 @@ def _require_followed(system: System, adaptive: bool) -> None:
             raise TraceError(f"contacts that end at an end (joint {joint}) run one by one")
 
 
-def _program(model: RecordedModel, asked: Asked, task: Task, method: str) -> Program:
+def _program(model: RecordedModel, asked: Asked, task: Task, method: str, span: float) -> Program:
     functions, how, tableau = MachineFunctions(), task.how, tableau_of(kinds("stepper")[method])
     assert tableau is not None, "others have no straight-line code, see `_require_lanes`"
-    longest = task.t_end / SHORT if needs_short_steps(task.outputs, model) else np.inf
+    longest = span / SHORT if needs_short_steps(task.outputs, model) else np.inf
     program = Program(
         lane_model(model, asked, functions.add, Starts(model, functions.add)), functions.add,
         lane_methods.Method(tableau), asked.reductions, task.t_end,
         tolerances=lane_methods.Tolerances(how.rtol, how.atol, min(how.step or np.inf, longest)),
-        step=min(how.step or LONGEST, longest), chain=functions.chain, tiled=True,
+        step=min(how.step or LONGEST, longest), short=span / SHORT, chain=functions.chain, tiled=True,
         most_steps=steps_at_most(task.mechanism, how) or MOST_STEPS,
     )  # fmt: skip
     functions.compile()
