@@ -62,8 +62,9 @@ class Program:
 
     def __init__(
         self, model: Model, compile: Compile, method: Method, reductions: Sequence[Reduction], t_end: float, *,
-        tolerances: Tolerances = USUAL, step: float = math.inf, short: float | None = None, chain: Chain = one_by_one, tiled: bool = False,
-        energy_limit: float = ENERGY_LIMIT, most_steps: int = MOST_STEPS,
+        tolerances: Tolerances = USUAL, step: float = math.inf, short: float | None = None,
+        chain: Chain = one_by_one, tiled: bool = False, energy_limit: float = ENERGY_LIMIT,
+        most_steps: int = MOST_STEPS,
     ) -> None:  # fmt: skip
         """step: the longest one of a method with equal steps [s]; tolerances: of the others; short: a step that is
         short beside what is looked at [s]; tiled: lanes are worked on in tiles that fit into the cache, else all

@@ -22,6 +22,7 @@ from rattle.questions.ensemble.bands import band
 from rattle.questions.ensemble.fields import Fields, Vary, fields_of
 from rattle.questions.ensemble.first_order import FirstOrder, first_order
 from rattle.questions.ensemble.folder import store_of
+from rattle.questions.ensemble.mean_slopes import mean_slopes
 from rattle.questions.ensemble.pieces import OK
 from rattle.questions.ensemble.plans import Drawn
 from rattle.questions.ensemble.runs import Samples
@@ -131,6 +132,15 @@ class Ensemble(Samples):
         are found, and their bounds: see `tolerance.first_order`.  Raises InputError for too few samples.
         """
         return first_order(self.fields, [self[name] for name in self.parameters], self[output], ranks)
+
+    def slopes(self, output: str) -> dict[str, Bounded]:
+        """How the mean of an output changes with each parameter [SI per SI]: (value, low, high), by its name.
+
+        The derivative of the mean, averaged over the field with most weight at its middle, with 95 % bounds: where
+        motions are chaotic it exists, though that of a single run does not.  A group counts as its first parameter.
+        Raises InputError for too few samples.
+        """
+        return mean_slopes(self.fields, [self[name] for name in self.parameters], self[output])
 
     @overload
     def plot(self, output: str, limit: Limit = None, ax: None = None) -> Figure: ...

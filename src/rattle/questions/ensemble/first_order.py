@@ -90,7 +90,7 @@ def first_order(
         from scipy.stats import rankdata
 
         y = rankdata(y)
-    terms = [_polynomials(fields.fields[k], columns[k][finite], _highest(len(y), len(names))) for k in first]
+    terms = [polynomials(fields.fields[k], columns[k][finite], _highest(len(y), len(names))) for k in first]
     indices, explained, degree = _shares(terms, (y - y.mean()) / y.std())
     return FirstOrder(names, indices, explained, ranks, degree, len(y))
 
@@ -107,7 +107,7 @@ def _highest(n: int, d: int) -> int:
     return max(1, min(HIGHEST, (n // SAMPLES_PER_TERM - 1) // d, CELLS // (n * d)))
 
 
-def _polynomials(field: Field, x: np.ndarray, degree: int) -> np.ndarray:
+def polynomials(field: Field, x: np.ndarray, degree: int) -> np.ndarray:
     """(n, <= degree) polynomials at x (n,) with mean 0 and mean square 1 over the field, uncorrelated there."""
     if field.values:
         nodes, weights = np.array(field.values), np.array(field.shares)

@@ -14,7 +14,17 @@ if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
 
 SECTION = ("rule", "t", "values", "units", "interrupted", "message")  # what JSON holds of a section
-DIAGRAM = ("rule", "parameter", "parameter_unit", "values", "of", "of_unit", "points", "interrupted", "how")  # of a diagram
+DIAGRAM = (
+    "rule",
+    "parameter",
+    "parameter_unit",
+    "values",
+    "of",
+    "of_unit",
+    "points",
+    "interrupted",
+    "how",
+)  # of a diagram
 
 
 @model_command

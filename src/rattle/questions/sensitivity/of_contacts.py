@@ -125,6 +125,6 @@ def with_contacts(
     if reach < run.t:
         notes.append(
             f"beyond the horizon, t = {reach:.3g} s, derivatives of a chaotic motion say nothing and are left out;"
-            " an ensemble has the means of curves there, and what changes them"
+            " an ensemble has the means of numbers there, and m.ensemble(...).slopes(...) how they change"
         )
     return values, slopes, notes
