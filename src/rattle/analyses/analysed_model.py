@@ -115,16 +115,19 @@ class AnalysedModel(WrittenModel):
         mechanism._held = self.system.model.initial.held
         return mechanism
 
-    def recorded(self, parameters: Sequence[str] = (), *, contacts: bool = False, beside: float = 0.0) -> RecordedModel:
-        """The model as a graph whose inputs are time, state and these parameters; contacts: with them, for lanes;
-        beside: nearer to singular positions, see `trace.recording.Recorder`.
+    def recorded(
+        self, parameters: Sequence[str] = (), *, contacts: bool = False, lanes: bool = True, beside: float = 0.0
+    ) -> RecordedModel:
+        """The model as a graph whose inputs are time, state and these parameters; contacts: with them, for lanes or,
+        if not lanes, for derivatives; beside: nearer to singular positions, see `trace.recording.Recorder`.
 
         Raises TraceError, with the reason, if it has contacts or cannot be recorded; UnknownName.
         """
         from rattle.analyses.straight_line.recorded_model import record_model
 
         return record_model(
-            self._document, self.system, self.start, parameters, contacts=contacts, lanes=contacts, beside=beside
+            self._document, self.system, self.start, parameters, contacts=contacts, lanes=contacts and lanes,
+            beside=beside,
         )
 
     # ------------------------------------------------------------ analyses

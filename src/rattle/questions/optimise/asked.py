@@ -83,6 +83,14 @@ class Question:
         return np.asarray(np.clip((present - self.low) / self.width, 0.0, 1.0))
 
     @property
+    def follows_contacts(self) -> bool:
+        """Whether derivatives of the curves make those of the outputs where contacts begin and end: instants alone,
+        as those of curves that jump do not hold between instants."""
+        kinds = {reduction.kind for output in self.outputs for reduction in output.reductions}
+        touches = self.analysis == "simulate" and len(self.mechanism.system.arrays["contact"]) > 0
+        return touches and kinds <= {"at", "final"} and not self.ideal_curves
+
+    @property
     def width(self) -> np.ndarray:
         """(k,) distances of the bounds [SI]."""
         return np.asarray(self.high - self.low)

@@ -236,9 +236,13 @@ class Designs:
         if self._exact is None:
             question = self.question
             rtol = min(RTOL, question.mechanism.model.settings.rtol or RTOL)
+            touches = question.follows_contacts
             try:
                 self._exact = [
-                    RepeatedSensitivities(m.recorded(question.names), names, question.analysis, rtol, ATOL * rtol)
+                    RepeatedSensitivities(
+                        m.recorded(question.names, contacts=touches, lanes=False), names, question.analysis, rtol,
+                        ATOL * rtol,
+                    )
                     if m is not None and names
                     else None
                     for m, names in asked

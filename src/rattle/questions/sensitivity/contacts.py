@@ -75,6 +75,11 @@ class Touching:
         }
         self.shut = np.zeros(count, dtype=bool)
         self.released = np.zeros(count, dtype=bool)  # without force, but not apart yet
+        self.begin()
+
+    def begin(self) -> None:
+        """Let all contacts be open, as at the start of a motion."""
+        self.shut[:] = self.released[:] = False
         self._let_rest()
 
     def set(self, n: int, shut: bool, speed: float = 0.0, by_speed: np.ndarray | None = None) -> None:

@@ -14,9 +14,12 @@ from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.questions.kinematics.compute import analyse
 from rattle.questions.sensitivity.compute import Asked
+from rattle.questions.sensitivity.contacts import ContactMotion, Touching
 from rattle.questions.sensitivity.driven import Driven, positions
 from rattle.questions.sensitivity.functions import Functions
+from rattle.questions.sensitivity.growth import horizon
 from rattle.questions.sensitivity.motion import Motion
+from rattle.questions.sensitivity.of_contacts import require_same_contacts, require_same_start
 from rattle.questions.sensitivity.parameters import Parameters
 from rattle.questions.sensitivity.start import StartDerivatives
 from rattle.trace.elementary import lower
@@ -38,6 +41,8 @@ class RepeatedSensitivities:
         if analysis == "simulate":
             curves, _ = asked.curves(self.model.curves)
             self._functions = Functions(model, chosen, curves, compiled.add)
+            if model.contacts is not None:
+                self._touching = Touching(self._functions, model.contacts, compiled.add)
             self._start = StartDerivatives(model, compiled)
         else:
             nominal = analyse(model.system, model.start, np.zeros(1), forces=analysis == "inverse-dynamics")
@@ -70,13 +75,33 @@ class RepeatedSensitivities:
         functions = self._functions
         z, functions.parameters = self._start.at(model, _alone(model))
         functions.model = model
-        run = Motion(functions, z, t_eval, self.rtol, self.atol)
+        how = t_eval, self.rtol, self.atol
+        if model.contacts is None:
+            run = Motion(functions, z, *how)
+        else:
+            require_same_start(model, z[:, 0])
+            self._touching.begin()
+            run = ContactMotion(functions, self._touching, z, *how)
         run.go()
         if run.interrupted:
             raise KeyboardInterrupt
         if run.message:
             raise TraceError(run.message)
+        if isinstance(run, ContactMotion):
+            self._require_contacts(model, run)
         return np.array(run.values), np.array(run.derivatives)
+
+    def _require_contacts(self, model: RecordedModel, run: ContactMotion) -> None:
+        """Raise TraceError unless derivatives hold to the end of a motion with contacts."""
+        t, sizes = (np.array(row) for row in zip(*run.history, strict=True))
+        reach = horizon(t, sizes, self._functions.parameters.values, self.rtol) if len(t) > 1 else run.t
+        require_same_contacts(model, run, reach, self.rtol, self.atol)
+        if reach < run.t:
+            raise TraceError(
+                f"a chaotic motion: after t = {reach:.3g} s derivatives say nothing, an ensemble has those of means"
+            )
+        if run.grazed < run.t:
+            raise TraceError(f"a contact only grazes at t = {run.grazed:.6g} s, from there on there are no derivatives")
 
     def _along_positions(self, model: RecordedModel, t_eval: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         nominal = analyse(model.system, model.start, t_eval, forces=False)

@@ -18,6 +18,8 @@ from rattle.studies.runs.task import Task
 log = logging.getLogger("rattle")
 STEP = 0.05  # of differences, as a share of the half width of a field: far above errors of runs
 SMALL = 1e-6  # half width of a field without one, as a share of the nominal value
+EXACT = "exact derivatives"
+ALIKE = 0.1  # share of the largest deviation by which those of slopes and of runs beside may differ
 PLACES = (-2, -1, 1, 2)  # steps at which the output is taken
 
 
@@ -35,7 +37,7 @@ def slopes(trials: Trials, fields: Fields, value: float) -> Slopes:
         level = log.level
         log.setLevel(max(level, logging.ERROR))  # what is to be said of the nominal mechanism is said of its own run
         try:
-            return _by_derivatives(trials.task, fields)
+            return _seen(_by_derivatives(trials.task, fields), trials, fields, value)
         except (LostError, ModelError, AssemblyError, SolverError) as error:
             why = str(error)
         finally:
@@ -64,8 +66,20 @@ def _by_derivatives(task: Task, fields: Fields) -> Slopes:
         raise LostError(design.message)
     slopes = designs.slopes(design)[0] / asked.width
     if not designs.differenced:
-        return Slopes(slopes, "exact derivatives")
+        return Slopes(slopes, EXACT)
     return Slopes(slopes, f"differences of whole runs, because {next(iter(designs.differenced))}")
+
+
+def _seen(found: Slopes, trials: Trials, fields: Fields, value: float) -> Slopes:
+    """Exact slopes, with what runs beside the nominal mechanism show of them where contacts begin and end: derivatives
+    of motions that are near chaotic hold for smaller changes than tolerances."""
+    if not len(trials.task.mechanism.system.arrays["contact"]) or found.how != EXACT:
+        return found
+    beside, reach = _by_differences(trials, fields, value, "").values, _reach(fields)
+    off, size = np.abs(found.values - beside) * reach, np.abs(found.values) * reach
+    if np.nanmax(off, initial=0.0) <= ALIKE * size.max(initial=0.0):
+        return found
+    return found._replace(how=f"{EXACT}, which hold for smaller changes than these tolerances: runs show other slopes")
 
 
 def _by_differences(trials: Trials, fields: Fields, value: float, why: str) -> Slopes:
