@@ -126,7 +126,12 @@ class AnalysedModel(WrittenModel):
         from rattle.analyses.straight_line.recorded_model import record_model
 
         return record_model(
-            self._document, self.system, self.start, parameters, contacts=contacts, lanes=contacts and lanes,
+            self._document,
+            self.system,
+            self.start,
+            parameters,
+            contacts=contacts,
+            lanes=contacts and lanes,
             beside=beside,
         )
 

@@ -16,6 +16,7 @@ import math
 
 from rattle.equations.schur import solve
 from rattle.jit import layout as at
+from rattle.jit.choices import select
 from rattle.jit.functions import compiled
 
 LITTLE = 1e-4  # share of |w| left by P below which it is applied once more
@@ -93,4 +94,4 @@ def fixed_value(m, reactions, n, column):
     for r in range(rows.shape[0]):
         total += reactions[n, r] * rows[r, column]
         size += abs(reactions[n, r] * rows[r, column])
-    return total if abs(total) > CANCELLED * size else 0.0
+    return select(abs(total) > CANCELLED * size, total, 0.0)

@@ -3,6 +3,7 @@
 Along the free coordinate of a joint, the row w with u = w . v (turning: rad/s, sliding: m/s), acts tau = w . force:
 
     slips in the sense s = +-1     tau = -s mu L(lambda)                        (coulomb)
+    rests at its limit             tau = -s mu_static L(lambda), as others hold it that stick
     sticks                         w . dv = gamma,   |tau| <= mu_static L       (coulomb)
     always                         tau = -T(arm u, N) arm                       (a law of the family "friction")
 
@@ -203,6 +204,8 @@ def resistance(m, n, N):
     """|tau| while coulomb friction slips, or tau of a law at the present rate, for the normal force N [N]."""
     p, values, memory = m.dry[n, at.DRY_P], m.values, m.dry_memory
     arm = values[p + at.DRY_ARM]
+    if m.dry[n, at.DRY_LAW] < 0 and memory[n, at.DRY_FIRM] == 1.0:
+        return values[p + at.DRY_MU_STATIC] * arm * N
     if m.dry[n, at.DRY_LAW] < 0:
         return values[p + at.DRY_MU] * arm * N
     u = arm * memory[n, at.DRY_RATE]

@@ -259,6 +259,7 @@ DRY_PRESSED = column("dry_memory", "",
     "1 while closed contacts hold its coordinate at rest, against whatever friction does")
 DRY_PRESS = column("dry_memory", "N", "of DRY_ROLLER: N of its contact, as far as it is known")
 IMPACT_PRESS = column("dry_memory", "N*s", "the same in an impact")
+DRY_FIRM = column("dry_memory", "", "1 while it rests at its limit, of mu_static, as others that stick hold it")
 DRY_STICKS, DRY_AUTO = 0.0, 2.0  # AUTO: the rate decides at every instant (positions, kinematics)
 
 name_columns(globals())

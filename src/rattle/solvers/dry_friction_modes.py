@@ -31,12 +31,14 @@ from rattle.equations.dry_friction import (
 from rattle.equations.motion import solve_motion
 from rattle.equations.state import take_states
 from rattle.jit import layout as at
+from rattle.jit.choices import select
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.gap_search import NONE
 from rattle.solvers.dense_output import HALVINGS, INSTANT, interpolate
 
 PARTS = 16  # pieces of a step that are searched
 KEEP = -2
+TAKEN = 1e-8  # share of its mobility that is left to a joint that others hold which stick
 ROUNDED = 1e-9  # share of its terms below which the acceleration of a held coordinate is rounding
 SLIGHT = 1e-5  # share of all rates, or of what a step adds, that the error of an event may leave to joints at rest
 AT_ONCE = 1e-12  # share of the time within which two events are one
@@ -60,7 +62,7 @@ def driven_ahead(m, n):
     """`sudden` of a coordinate that the joints and drivers hold, from their rows; 0 if it is rounding."""
     gamma = m.dry_rows[n, at.GAMMA]
     ahead = fixed_value(m, m.dry_reaction, n, at.GAMMA) - gamma
-    return ahead if abs(ahead) > ROUNDED * abs(gamma) else 0.0
+    return select(abs(ahead) > ROUNDED * abs(gamma), ahead, 0.0)
 
 
 @compiled
@@ -119,8 +121,16 @@ def violation(m, n, loose):
         most = limit(m, n)
         beyond = abs(tau) - most * (1.0 + OVER)
         return beyond / (abs(tau) + most) if beyond > 0.0 else 0.0
-    doubt = (AGAINST if loose == -1 else AGAINST_LOOSE) * abs(mobility(m, n, n) * tau)
-    return 1.0 if sudden(m, n) * mode < -doubt else 0.0
+    return 1.0 if sudden(m, n) * mode < -in_doubt(m, n, loose) else 0.0
+
+
+@compiled
+def in_doubt(m, n, loose):
+    """Acceleration of joint n that may be rounding, by those that friction causes."""
+    total = 0.0
+    for o in range(m.dry_memory.shape[0]):
+        total += abs(mobility(m, n, o) * m.dry_memory[o, at.DRY_FORCE])
+    return (AGAINST if loose == -1 else AGAINST_LOOSE) * total
 
 
 @compiled
@@ -135,10 +145,15 @@ def follow_drivers(m):
 
 @compiled
 def settle(m, t, y, loose):
-    """Change modes of joints at rest one by one until all are possible; False if that does not end."""
+    """Change modes of joints at rest one by one until all are possible; False if that does not end.
+
+    A joint that cannot bear more than its limit bears that, by mu_static, while others still hold it.
+    """
     memory = m.dry_memory
-    for _ in range(4 * memory.shape[0] + 4):
+    for _ in range(8 * memory.shape[0] + 8):
         solve_at(m, t, y)
+        if memory[0, at.DRY_LOCKS] == 0.0 and release(m):
+            continue
         worst, who = 0.0, -1
         for n in range(memory.shape[0]):
             wrong = violation(m, n, loose) if memory[n, at.DRY_REST] == 1.0 else 0.0
@@ -148,9 +163,37 @@ def settle(m, t, y, loose):
             return memory[0, at.DRY_LOCKS] == 0.0
         if memory[who, at.DRY_MODE] == at.DRY_STICKS:
             memory[who, at.DRY_MODE] = -math.copysign(1.0, memory[who, at.DRY_FORCE])
+            memory[who, at.DRY_FIRM] = 1.0
         else:
-            memory[who, at.DRY_MODE] = at.DRY_STICKS
+            memory[who, at.DRY_MODE], memory[who, at.DRY_FIRM] = at.DRY_STICKS, 0.0
     return False
+
+
+@compiled
+def release(m):
+    """Let joints at their limits slip that those which stick do not hold; False if there are none."""
+    memory, some = m.dry_memory, False
+    for n in range(memory.shape[0]):
+        firm = memory[n, at.DRY_REST] == 1.0 and memory[n, at.DRY_FIRM] == 1.0
+        if firm and not held_by_others(m, n):
+            memory[n, at.DRY_FIRM], some = 0.0, True
+    return some
+
+
+@compiled
+def held_by_others(m, n):
+    """True if joint n can move only as long as others do that stick: those take all of its mobility."""
+    memory, system, count = m.dry_memory, m.dry_system, m.dry_memory.shape[0]
+    for o in range(count):
+        plain_row(m, o)
+        system[o, count] = 0.0
+        if memory[o, at.DRY_MODE] == at.DRY_STICKS and memory[o, at.DRY_HELD] == 0.0 and m.dry[o, at.DRY_LAW] < 0:
+            system[o, count] = mobility(m, o, n) / sticking_row(m, o)
+    eliminate(system, count)
+    left = mobility(m, n, n)
+    for o in range(count):
+        left -= mobility(m, n, o) * system[o, count]
+    return left <= TAKEN * mobility(m, n, n)
 
 
 @compiled
@@ -162,6 +205,7 @@ def take_combination(m, code):
             digit = code % 3
             code //= 3
             memory[n, at.DRY_MODE] = -1.0 if digit == 2 else float(digit)
+            memory[n, at.DRY_FIRM] = 1.0 if digit > 0 else 0.0
             slipping += 1 if digit > 0 else 0
     return slipping
 
@@ -192,6 +236,8 @@ def try_all(m, t, y, loose):
             if take_combination(m, code) != slipping:
                 continue
             solve_at(m, t, y)
+            if release(m):
+                solve_at(m, t, y)
             if all_possible(m, loose):
                 return True
     return False
@@ -226,11 +272,24 @@ def come_to_rest(m, t, y):
 
 
 @compiled
+def noted(m, n):
+    """Mode of joint n as it is noted: three times as large while it rests at its limit."""
+    mode = m.dry_memory[n, at.DRY_MODE]
+    return 3.0 * mode if m.dry_memory[n, at.DRY_FIRM] == 1.0 else mode
+
+
+@compiled
+def shown(mode):
+    """A noted mode as it is told: a joint that rests at its limit sticks."""
+    return at.DRY_STICKS if abs(mode) > at.DRY_AUTO else mode
+
+
+@compiled
 def note_modes(m, t, who):
     """Note the modes before a decision, and which joints are at rest at t [s]; who: the joint that leaves its mode."""
     memory = m.dry_memory
     for n in range(memory.shape[0]):
-        memory[n, at.DRY_BEFORE] = memory[n, at.DRY_MODE]
+        memory[n, at.DRY_BEFORE] = noted(m, n)
         memory[n, at.DRY_REST] = 1.0 if (n == who and memory[n, at.DRY_HELD] == 0.0) or decided(m, t, n) else 0.0
 
 
@@ -240,10 +299,13 @@ def first_modes(m, t, who):
     memory = m.dry_memory
     for n in range(memory.shape[0]):
         rests, before = memory[n, at.DRY_REST] == 1.0, memory[n, at.DRY_BEFORE]
+        memory[n, at.DRY_FIRM] = 0.0
         begins = n != who and before != at.DRY_AUTO and t - memory[n, at.DRY_SINCE] <= AT_ONCE * abs(t)
-        kept = begins or (who == KEEP and before == at.DRY_STICKS)
+        kept = begins or (who == KEEP and shown(before) == at.DRY_STICKS)
         if m.dry[n, at.DRY_LAW] < 0 and rests and kept:
-            memory[n, at.DRY_MODE] = before
+            firm = begins and abs(before) > at.DRY_AUTO
+            memory[n, at.DRY_MODE] = math.copysign(1.0, before) if firm else shown(before)
+            memory[n, at.DRY_FIRM] = 1.0 if firm else 0.0
         elif m.dry[n, at.DRY_LAW] < 0:
             memory[n, at.DRY_MODE] = at.DRY_STICKS if rests else math.copysign(1.0, memory[n, at.DRY_RATE])
 
@@ -280,7 +342,7 @@ def decide(m, t, y, who, told):
     solve_at(m, t, y)
     follow_drivers(m)
     if breaks:
-        memory[who, at.DRY_MODE] = sense
+        memory[who, at.DRY_MODE], memory[who, at.DRY_FIRM] = sense, 1.0
     loose = who if breaks or who == KEEP else -1
     settled = settle(m, t, y, loose) or try_all(m, t, y, loose)
     bring_to_rest(m, y)  # those that stick: near a dead centre the others would have to lose all rates
@@ -294,7 +356,7 @@ def modes_changed(m):
     """True if the last `decide` has changed a mode."""
     memory, changed = m.dry_memory, False
     for n in range(memory.shape[0]):
-        changed = changed or memory[n, at.DRY_MODE] != memory[n, at.DRY_BEFORE]
+        changed = changed or shown(noted(m, n)) != shown(memory[n, at.DRY_BEFORE])
     return changed
 
 
@@ -302,7 +364,7 @@ def modes_changed(m):
 def tell(m, t, n):
     """Record that joint n sticks, or that it has begun to slip."""
     events, tally, memory = m.events, m.tally, m.dry_memory
-    mode, before, k = memory[n, at.DRY_MODE], memory[n, at.DRY_BEFORE], tally[at.EVENT_COUNT]
+    mode, before, k = shown(noted(m, n)), shown(memory[n, at.DRY_BEFORE]), tally[at.EVENT_COUNT]
     if mode == before or m.dry[n, at.DRY_LAW] >= 0 or k >= events.shape[0]:
         return
     c = m.dry[n, at.DRY_SECOND]

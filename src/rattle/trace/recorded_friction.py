@@ -14,12 +14,13 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.equations import dry_friction as dry
+from rattle.equations.dependent_rows import fixed_value
 from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.language.recorded import Flag, Operand
-from rattle.solvers.dry_friction_modes import OVER, sudden
+from rattle.solvers.dry_friction_modes import OVER, driven_ahead, sudden
 from rattle.trace.graph import apply, select, summed
 from rattle.trace.known_signs import positive
 from rattle.trace.recorded_language import Copies
@@ -178,6 +179,8 @@ class RecordedFriction:
         memory, calls = m.dry_memory, self._copies.of
         held, tau, rate = memory[n, at.DRY_HELD] > 0.5, memory[n, at.DRY_FORCE], memory[n, at.DRY_RATE]
         slight, limit = calls(dry.rounding.python)(m, n), calls(dry.limit.python)(m, n)
+        # what drivers hold goes as they do: where they rest its own rate is rounding
+        rate = select(held, calls(fixed_value.python)(m, m.dry_reaction, n, at.NU), rate)
         rate = select(abs(rate) <= slight, 0.0, rate)
         kept = select(held, select(apply("equal", rate, 0.0), 1.0, -1.0), limit - abs(tau))
         ahead = calls(sudden.python)(m, n)
@@ -187,10 +190,11 @@ class RecordedFriction:
             terms = terms + abs(m.dry_rows[n, at.AX + k] * m.acceleration[a, k])
             terms = terms + abs(m.dry_rows[n, at.BX + k] * m.acceleration[b, k])
         own = calls(dry.mobility.python)(m, n, n)
-        rounded = (abs(ahead) <= NO_RATE * terms + NO_FORCE * abs(own * tau)) | (self._sticks(n) & apply("not", held))
+        rounded = (abs(ahead) <= NO_RATE * terms + NO_FORCE * abs(own * tau)) | self._sticks(n)
+        ahead = select(held, calls(driven_ahead.python)(m, n), select(rounded, 0.0, ahead))
         return Joint(
             select(self._sticks(n), kept, self.modes[n] * rate),
-            select(self._sticks(n), FAINT * (limit + abs(tau)), slight), rate, tau, select(rounded, 0.0, ahead),
+            select(self._sticks(n), FAINT * (limit + abs(tau)), slight), rate, tau, ahead,
         )  # fmt: skip
 
     def rest(self, m: SimpleNamespace, state: np.ndarray) -> None:

@@ -240,7 +240,10 @@ class Designs:
             try:
                 self._exact = [
                     RepeatedSensitivities(
-                        m.recorded(question.names, contacts=touches, lanes=False), names, question.analysis, rtol,
+                        m.recorded(question.names, contacts=touches, lanes=False),
+                        names,
+                        question.analysis,
+                        rtol,
                         ATOL * rtol,
                     )
                     if m is not None and names

@@ -158,6 +158,7 @@ def slip_as_they_move(m, t, y):
         free = m.dry[n, at.DRY_LAW] < 0 and memory[n, at.DRY_HELD] == 0.0
         if free and abs(rate) > rounding(m, n):
             memory[n, at.DRY_MODE], memory[n, at.DRY_BEFORE] = math.copysign(1.0, rate), before
+            memory[n, at.DRY_FIRM] = 0.0
             tell(m, t, n)
 
 
@@ -182,7 +183,7 @@ def take_joint_modes(m, code):
         if memory[n, at.DRY_REST] == 1.0:
             digit = code % 3
             code //= 3
-            memory[n, at.DRY_MODE] = -1.0 if digit == 2 else float(digit)
+            memory[n, at.DRY_MODE], memory[n, at.DRY_FIRM] = -1.0 if digit == 2 else float(digit), 0.0
 
 
 @compiled
