@@ -28,6 +28,7 @@ LANE = (
     "landings",
     "turned",
     "turns",
+    "tried",
     "flown",
     "turned at",
 )

@@ -13,7 +13,7 @@ from rattle.trace.graph import apply, select
 from rattle.trace.lane_contacts import COUNTED, LANE, Ends, Meets, Met, Struck, Touch, one
 from rattle.trace.lane_methods import largest, least
 from rattle.trace.lane_polynomials import FAR, LITTLE
-from rattle.trace.recorded_friction import beyond
+from rattle.trace.recorded_friction import FIRM, beyond
 from rattle.trace.recorded_rigid import DECIDES, HITS, OPEN, SHUT
 from rattle.trace.reductions import Touches
 
@@ -145,7 +145,8 @@ class Meeting:
                 name: lane[name] + one(flags.running & event)
                 for name, event in zip(COUNTED, (cut & apply("not", hit), hit | comes | missed, turns), strict=True)
             },
-            "turns": count, "flown": select(turns, t - lane["turned at"], lane["flown"]),
+            "turns": count, "tried": select(flags.good & still, lane["tried"] + 1.0, 0.0),
+            "flown": select(turns, t - lane["turned at"], lane["flown"]),
             "turned at": select(turns, t, lane["turned at"]),
         }  # fmt: skip
         shut, speed = self._states(flags.good & still, strikes)
@@ -167,6 +168,7 @@ class Meeting:
         lost = missed_one | (landings > float(MOST_LANDINGS)) | (count > float(MOST_TURNS)) | unsound
         unkept = values["unsound"] > float(MOST_UNSOUND)
         decided = apply("not", _any(shut[n] > 2.5 for n in self.meets.rubbing))
+        lost = lost | (values["tried"] > float(MOST_TURNS))
         return Turned(state, ahead, one(turns | (flags.good & waits)), landings, lost, decided, unkept)
 
     def _held(self, still: Flag) -> list[tuple[list[Operand], list[Operand]]]:
@@ -271,18 +273,20 @@ class Meeting:
         """What a joint that rubs is after a trip, and the sense of its slip.
 
         Where it has come to rest it sticks, first; where others move it on, it slips as they do.  If it cannot bear
-        that, it slips against its force, the one first that is farthest beyond its limit.
+        that, it rests at its limit, the one first that is farthest beyond, and slips if no others hold it that stick.
         """
         k, sense, code = self.meets.held.index(n), self.touch.speed[n], self.touch.shut[n]
         end = {name: rows[k] for name, rows in self.ends.held.items()}
         sticks, ahead = apply("equal", sense, 0.0), _sign(end["bend"])
-        breaks, spent = -_sign(end["tangent"]), self.met.spent[k] > 0.0
+        breaks, spent = -FIRM * _sign(end["tangent"]), self.met.spent[k] > 0.0
         way = select(spent, select(sticks, select(apply("equal", end["tangent"], 0.0), ahead, breaks), 0.0), sense)
         worst = self._worst()
         over = (self._beyond(n) > 0.0) & (self._beyond(n) >= worst)
-        back = apply("equal", end["slip"], 0.0) & (sense * ahead < 0.0)
+        rests, held = apply("equal", end["slip"], 0.0), end["calm"] > 0.5
+        back = rests & (sense * ahead < 0.0)
         stuck = select(apply("equal", ahead, 0.0), select(over, breaks, 0.0), ahead)
-        settled = select(sticks, stuck, select(back, 0.0, sense))
+        moves = select(back, 0.0, select(held & rests, FIRM * _sign(sense), _sign(sense)))
+        settled = select(sticks, stuck, moves)
         changes = apply("not", apply("equal", settled, sense))
         return select(still, select(changes, DECIDES, SHUT), select(spent, DECIDES, code)), select(still, settled, way)
 

@@ -1,8 +1,9 @@
 """Friction of joints without play in a recorded model: its forces in given modes, and whether these can last.
 
-Equations: `rattle.equations.dry_friction`.  In which sense a joint with set-valued friction slips (1 or -1), or that it
-sticks (0), is an input of the graph.  The forces of all joints follow from so many steps of Newton's method; that these
-have converged, and that friction does not lock, is a guard.
+Equations: `rattle.equations.dry_friction`.  In which sense a joint with set-valued friction slips (1 or -1), that it
+sticks (0), or that it rests at its limit, of mu_static, as others hold it that stick (2 or -2), is an input of the
+graph.  The forces of all joints follow from so many steps of Newton's method; that these have converged, and that
+friction does not lock, is a guard.
 """
 
 from __future__ import annotations
@@ -20,11 +21,12 @@ from rattle.errors import TraceError
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.language.recorded import Flag, Operand
-from rattle.solvers.dry_friction_modes import OVER, driven_ahead, sudden
+from rattle.solvers.dry_friction_modes import OVER, TAKEN, driven_ahead, sudden
 from rattle.trace.graph import apply, select, summed
 from rattle.trace.known_signs import positive
 from rattle.trace.recorded_language import Copies
 
+FIRM = 2.0  # size of a mode: it rests at its limit
 ROUNDS = 6  # of Newton's method
 CONVERGED = 1e-10  # share of all forces by which its last step may change them
 MOST = 8  # joints with friction
@@ -41,6 +43,7 @@ class Joint(NamedTuple):
     rate: Operand  # [m/s or rad/s], 0 where it may be rounding
     force: Operand  # tau [N or N m]
     ahead: Operand  # acceleration against that of sticking, 0 where it may be rounding or friction takes care of it
+    stuck: Operand  # 1 if it can move only as long as others do that stick
 
 
 class RecordedFriction:
@@ -104,7 +107,7 @@ class RecordedFriction:
     def _forces(self, m: SimpleNamespace) -> list[Operand]:
         """tau of every joint; m has accelerations and multipliers without them."""
         numbers = range(len(self.table))
-        borne, bearing, resisting = (self._copies.of(f.python) for f in (dry.borne, dry.bearing, dry.resisting))
+        borne, bearing = (self._copies.of(f.python) for f in (dry.borne, dry.bearing))
         bears = [bearing(m, n, m.multiplier, at.DRY_ADDED) for n in numbers]
         per_unit = [[borne(m, n, o) for o in numbers] for n in numbers]
         stuck = [self._stuck(m, n) for n in numbers]
@@ -116,7 +119,7 @@ class RecordedFriction:
             rows = []
             for n in numbers:
                 first, second = (bears[n][k] + summed(per_unit[n][o][k] * tau[o] for o in numbers) for k in range(2))
-                size, slope, slope2 = resisting(m, n, first, second)
+                size, slope, slope2 = self._resisting(m, n, first, second)
                 sense = self._sense(n)
                 row = [
                     (1.0 if n == o else 0.0) - sense * (slope * per_unit[n][o][0] + slope2 * per_unit[n][o][1])
@@ -135,6 +138,17 @@ class RecordedFriction:
         require(summed(abs(x) for x in change) <= CONVERGED * size)
         require(definite)
         return tau
+
+    def _resisting(self, m: SimpleNamespace, n: int, first: Operand, second: Operand) -> tuple[Operand, ...]:
+        """As `dry_friction.resisting`, with mu_static of a joint that rests at its limit."""
+        if n not in self.modes:
+            slopes: tuple[Operand, ...] = self._copies.of(dry.resisting.python)(m, n, first, second)
+            return slopes
+        p = self.table[n, at.DRY_P]
+        mu = select(abs(self.modes[n]) > FIRM - 0.5, m.values[p + at.DRY_MU_STATIC], m.values[p + at.DRY_MU])
+        return tuple(
+            mu * m.values[p + at.DRY_ARM] * x for x in self._copies.of(dry.pressing.python)(m, n, first, second)
+        )
 
     def _stuck(self, m: SimpleNamespace, n: int) -> list[Operand]:
         """Row of the equations of a joint that sticks: what others move it by, and its acceleration without friction,
@@ -162,7 +176,9 @@ class RecordedFriction:
 
     def _sense(self, n: int) -> Operand:
         """As `dry_friction.sense_of`."""
-        return -self.modes[n] if n in self.modes else -1.0
+        if n not in self.modes:
+            return -1.0
+        return select(self.modes[n] > 0.5, -1.0, select(self.modes[n] < -0.5, 1.0, 0.0))
 
     def _end(self, m: SimpleNamespace) -> None:
         """Stands for `dry_friction.end_dry_friction`."""
@@ -180,7 +196,7 @@ class RecordedFriction:
         held, tau, rate = memory[n, at.DRY_HELD] > 0.5, memory[n, at.DRY_FORCE], memory[n, at.DRY_RATE]
         slight, limit = calls(dry.rounding.python)(m, n), calls(dry.limit.python)(m, n)
         # what drivers hold goes as they do: where they rest its own rate is rounding
-        rate = select(held, calls(fixed_value.python)(m, m.dry_reaction, n, at.NU), rate)
+        rate = select(held & self._sticks(n), calls(fixed_value.python)(m, m.dry_reaction, n, at.NU), rate)
         rate = select(abs(rate) <= slight, 0.0, rate)
         kept = select(held, select(apply("equal", rate, 0.0), 1.0, -1.0), limit - abs(tau))
         ahead = calls(sudden.python)(m, n)
@@ -189,30 +205,45 @@ class RecordedFriction:
         for k in range(3):
             terms = terms + abs(m.dry_rows[n, at.AX + k] * m.acceleration[a, k])
             terms = terms + abs(m.dry_rows[n, at.BX + k] * m.acceleration[b, k])
-        own = calls(dry.mobility.python)(m, n, n)
-        rounded = (abs(ahead) <= NO_RATE * terms + NO_FORCE * abs(own * tau)) | self._sticks(n)
+        caused = summed(
+            abs(calls(dry.mobility.python)(m, n, o) * memory[o, at.DRY_FORCE]) for o in range(len(self.table))
+        )
+        rounded = (abs(ahead) <= NO_RATE * terms + NO_FORCE * caused) | self._sticks(n)
         ahead = select(held, calls(driven_ahead.python)(m, n), select(rounded, 0.0, ahead))
         return Joint(
-            select(self._sticks(n), kept, self.modes[n] * rate),
+            select(self._sticks(n), kept, -self._sense(n) * rate),
             select(self._sticks(n), FAINT * (limit + abs(tau)), slight), rate, tau, ahead,
+            self._held_by_others(m, n),
         )  # fmt: skip
 
     def rest(self, m: SimpleNamespace, state: np.ndarray) -> None:
         """Take from the rates in a state what is left to joints that stick; see `dry_friction_modes.bring_to_rest`."""
-        nq, mobility = m.change.shape[0], self._copies.of(dry.mobility.python)
+        nq = m.change.shape[0]
+        taken = self._taken(m, [m.dry_memory[n, at.DRY_RATE] for n in range(len(self.table))])
+        for k in range(nq):
+            state[nq + k] = state[nq + k] - summed(x * m.dry_response[n, 3 + k] for n, x in enumerate(taken))
+
+    def _taken(self, m: SimpleNamespace, rates: Sequence[Operand]) -> list[Operand]:
+        """Impulses of joints that stick which take these rates (nd,) from their coordinates."""
+        numbers, mobility = range(len(self.table)), self._copies.of(dry.mobility.python)
         rows: list[list[Operand]] = []
-        numbers = range(len(self.table))
         for n in numbers:
             row: list[Operand] = [*(1.0 if n == o else 0.0 for o in numbers), 0.0]
             if n in self.modes:
                 sticks = self._sticks(n) & (m.dry_memory[n, at.DRY_HELD] < 0.5)
                 own = select(sticks, mobility(m, n, n), 1.0)
-                stuck = [*(mobility(m, n, o) / own for o in numbers), m.dry_memory[n, at.DRY_RATE] / own]
+                stuck = [*(mobility(m, n, o) / own for o in numbers), rates[n] / own]
                 row = [select(sticks, a, b) for a, b in zip(stuck, row, strict=True)]
             rows.append(row)
-        taken, _ = _eliminated(rows, [self._doubt(m, n) for n in numbers])
-        for k in range(nq):
-            state[nq + k] = state[nq + k] - summed(x * m.dry_response[n, 3 + k] for n, x in enumerate(taken))
+        return _eliminated(rows, [self._doubt(m, n) for n in numbers])[0]
+
+    def _held_by_others(self, m: SimpleNamespace, n: int) -> Operand:
+        """As `dry_friction_modes.held_by_others`: 1, or 0, also if drivers hold it."""
+        numbers, mobility = range(len(self.table)), self._copies.of(dry.mobility.python)
+        by = self._taken(m, [mobility(m, o, n) for o in numbers])
+        left = mobility(m, n, n) - summed(mobility(m, n, o) * x for o, x in zip(numbers, by, strict=True))
+        driven = m.dry_memory[n, at.DRY_HELD] > 0.5
+        return select((left <= TAKEN * mobility(m, n, n)) & apply("not", driven), 1.0, 0.0)
 
 
 def beyond(limit_left: Operand, force: Operand) -> Operand:

@@ -69,7 +69,8 @@ class ContactFunctions:
 class HeldFunctions:
     """Recorded functions of the contacts of a model that end where their force does, and of rigid ones, for lanes;
     lists by contact, in order.  After them stand joints that rub, see `recorded_friction.Joint`: their reserve, rate as
-    slip, force as tangent, acceleration as bend, what may be rounding of the reserve as faint."""
+    slip, force as tangent, acceleration as bend, whether others hold them as calm, what may be rounding of the reserve
+    as faint."""
 
     numbers: list[int]
     pressed: list[Operand]  # force while it is shut; of a compliant one also what it would pull with [N or N m]
@@ -228,7 +229,7 @@ def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray) -> HeldFunct
         held.pressed.append(1.0)
         held.reserve.append(joint.reserve)
         held.slip.append(joint.rate)
-        held.calm.append(0.0)
+        held.calm.append(joint.stuck)
         held.tangent.append(joint.force)
         held.bend.append(joint.ahead)
         held.faint.append(joint.slack)
