@@ -239,6 +239,51 @@ def test_rods_and_slots_rub_side_by_side(text, body):
     assert_alike(rt.loads(text), samples, [f"final({body})", LOST], 0.8, rel=1e-6, abs=1e-9)
 
 
+# ---------------------------------------------------------------- what rests
+PARALLELOGRAM = """
+format = 1
+gravity = [0, 0]
+parameters = { ms = 1.3 }
+ground.points = { O = [0, 0], P = [1, 0] }
+bodies.a = { points = { A = [0, 0], B = [0, 0.5] }, mass = 1, inertia = 0.1 }
+bodies.b = { points = { A = [0, 0], B = [0, 0.5] }, mass = 1, inertia = 0.1 }
+bodies.c = { points = { A = [0, 0], B = [1, 0] }, center = [0.5, 0], mass = 1, inertia = 0.1 }
+joints.O = { type = "revolute", connect = ["ground.O", "a.A"], friction = RUBS }
+joints.P = { type = "revolute", connect = ["ground.P", "b.A"], friction = RUBS }
+joints.Q = { type = "revolute", connect = ["a.B", "c.A"] }
+joints.R = { type = "revolute", connect = ["b.B", "c.B"] }
+loads.one = { type = "force", at = "a.A", force = [0, -10] }
+loads.two = { type = "force", at = "b.A", force = [0, -10] }
+loads.turn = { type = "torque", body = "a", torque = "t" }
+initial = { a = { angle = 0 }, b = { angle = 0 } }
+""".replace("RUBS", '{ model = "coulomb", mu = 0.5, mu_static = "0.5*ms", pin_radius = 0.05 }')
+
+
+@pytest.mark.parametrize("ms", [1.0, 1.1, 1.3, 2.0])
+def test_joints_that_hold_each_other_break_away_where_the_sum_of_their_limits_is_passed(ms):
+    """Together, and not the first one that is at its limit, which would rub by mu while the other still holds."""
+    m = rt.loads(PARALLELOGRAM).set(ms=ms)
+    limit = m.holds("turn", t=1.0).high
+    events = m.simulate(1.2, rtol=1e-9).events
+    assert [event.kind for event in events] == ["slip", "slip"]
+    assert [event.t for event in events] == pytest.approx([limit] * 2, rel=1e-9)
+    _, (t,) = side_by_side(rt.loads(PARALLELOGRAM), {"ms": [ms]}, ["first(a.omega > 1e-9)"], 1.2, rtol=1e-9)
+    assert t == pytest.approx([limit], abs=2e-3 if ms == 1.0 else 1e-6)
+
+
+@pytest.mark.parametrize("motion", ["0.8", "0.8 + w*t", "0.8 + w*sin(t)", "0.8 + w*t**2"])
+def test_a_driver_at_rest_feels_no_friction_of_rounding(motion):
+    text = slider_crank(COULOMB, motion).replace("omega = 20.0", "w = 0.0, m = 0.14").replace("0.14, i", '"m", i')
+    samples = {"m": np.array([0.14, 0.14000001, 0.4])}
+    assert_alike(rt.loads(text), samples, ["final(motor.torque)", "final(guide.friction)", "max(O.force)"], 0.5)
+
+
+@pytest.mark.parametrize("mu", [0.0, 1e-9, 1e-5])
+def test_hardly_any_friction_is_no_trouble(mu):
+    samples = {"mu": np.array([mu]), "omega": np.array([10.0])}
+    assert_alike(rt.loads(slider_crank(COULOMB)), samples, ["final(crank.angle)", LOST], 1.0, rel=1e-6, abs=1e-9)
+
+
 # ---------------------------------------------------------------- the same bits, and what is not followed
 def test_a_sample_has_the_same_bits_in_any_company():
     m, random = rt.loads(slider_crank(HOLDS)), np.random.default_rng(2)

@@ -439,11 +439,17 @@ def limit(m, n):
 
 
 @compiled
+def is_smooth(m, n):
+    """True if joint n does not stick: its friction has a law, or no size."""
+    return m.dry[n, at.DRY_LAW] >= 0 or m.values[m.dry[n, at.DRY_P] + at.DRY_MU_STATIC] == 0.0
+
+
+@compiled
 def lasting(m, n):
     """Negative where the mode of joint n cannot last: it slips backwards, or sticks beyond its limit."""
     memory = m.dry_memory
     mode, rate, tau = memory[n, at.DRY_MODE], memory[n, at.DRY_RATE], memory[n, at.DRY_FORCE]
-    if m.dry[n, at.DRY_LAW] >= 0 or mode == at.DRY_AUTO:
+    if is_smooth(m, n) or mode == at.DRY_AUTO:
         return 1.0
     if mode != at.DRY_STICKS and memory[n, at.DRY_PRESSED] == 1.0:  # a contact would have to open first
         return 1.0

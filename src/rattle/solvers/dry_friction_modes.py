@@ -21,6 +21,7 @@ from rattle.equations.dry_friction import (
     REST,
     along,
     eliminate,
+    is_smooth,
     lasting,
     limit,
     mobility,
@@ -75,7 +76,7 @@ def decided(m, t, n):
     if m.dry_memory[n, at.DRY_HELD] == 1.0 and m.massless.shape[0] == 0:
         rate = fixed_value(m, m.dry_reaction, n, at.NU)
         least += AT_ONCE * abs(t * driven_ahead(m, n))
-    return m.dry[n, at.DRY_LAW] < 0 and abs(rate) <= least
+    return not is_smooth(m, n) and abs(rate) <= least
 
 
 @compiled
@@ -398,7 +399,7 @@ def past(m, n):
     if memory[n, at.DRY_SOUGHT] == 0.0:
         return False
     if memory[n, at.DRY_MODE] != at.DRY_STICKS and memory[n, at.DRY_MODE] != at.DRY_AUTO:
-        return m.dry[n, at.DRY_LAW] < 0 and memory[n, at.DRY_MODE] * memory[n, at.DRY_RATE] < 0.0
+        return not is_smooth(m, n) and memory[n, at.DRY_MODE] * memory[n, at.DRY_RATE] < 0.0
     return lasting(m, n) < 0.0
 
 

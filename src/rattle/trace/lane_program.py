@@ -32,6 +32,7 @@ def filled(count: int) -> np.ndarray:
 
 ENERGY_LIMIT = 1e-3  # share of the largest energy that may be unaccounted for
 MOST_STEPS = 1_000_000
+REST = 100.0  # absolute tolerance of rates by which what rests may move
 USUAL = Tolerances(1e-8, 1e-10)
 
 
@@ -53,6 +54,7 @@ class Model(NamedTuple):
     watched: tuple[int, ...] = ()
     arrive: Function | None = None  # project, then rate and outputs of the state that it gives, which share operations
     weight: float = 0.0  # energy of lifting it by its size [J]
+    mass: float = 0.0  # of all bodies [kg]
     # contacts; then `arrive` ends with `Ends`, and constants begin with the first of `Touch`
     meets: Meets | None = None
 
@@ -76,7 +78,8 @@ class Program:
         self.model, self.method, self.t_end = model, method, t_end
         self.chain, self.tiled = chain, tiled
         self.stops = np.array([*sorted(inner), t_end])
-        energies = None if model.energies is None else Energies(model.energies, energy_limit, model.weight)
+        slight = model.mass * (REST * tolerances.atol) ** 2  # energy of a mechanism at rest
+        energies = None if model.energies is None else Energies(model.energies, energy_limit, model.weight, slight)
         self.ledger = ledger = Ledger(
             reductions, model.curves, self.stops.tolist(), method.samples, energies, model.watched
         )

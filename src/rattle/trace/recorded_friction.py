@@ -129,7 +129,7 @@ class RecordedFriction:
                 if n in self.modes:
                     fixed = stuck[n]
                     held = [*fixed[:-1], fixed[-1] + summed(a * x for a, x in zip(fixed, tau, strict=False))]
-                    row = [select(self._sticks(n), a, b) for a, b in zip(held, row, strict=True)]
+                    row = [select(self._sticks(m, n), a, b) for a, b in zip(held, row, strict=True)]
                 rows.append(row)
             change, definite = _eliminated(rows, doubts)
             tau = [x - dx for x, dx in zip(tau, change, strict=True)]
@@ -167,12 +167,13 @@ class RecordedFriction:
         free: Operand = 0.0
         for body, first in ((self.table[n, at.DRY_A], at.AX), (self.table[n, at.DRY_B], at.BX)):
             free = free + summed(m.weight[body, k] * m.dry_rows[n, first + k] ** 2 for k in range(3))
-        sticks = self._sticks(n) & (m.dry_memory[n, at.DRY_HELD] < 0.5)
+        sticks = self._sticks(m, n) & (m.dry_memory[n, at.DRY_HELD] < 0.5)
         doubt = dry.LOST * free / select(sticks, self._copies.of(dry.mobility.python)(m, n, n), 1.0)
         return select(sticks & (doubt > 1.0), doubt, 1.0)
 
-    def _sticks(self, n: int) -> Flag:
-        return abs(self.modes[n]) < 0.5
+    def _sticks(self, m: SimpleNamespace, n: int) -> Flag:
+        rough: Flag = m.values[self.table[n, at.DRY_P] + at.DRY_MU_STATIC] > 0.0
+        return (abs(self.modes[n]) < 0.5) & rough
 
     def _sense(self, n: int) -> Operand:
         """As `dry_friction.sense_of`."""
@@ -196,8 +197,9 @@ class RecordedFriction:
         held, tau, rate = memory[n, at.DRY_HELD] > 0.5, memory[n, at.DRY_FORCE], memory[n, at.DRY_RATE]
         slight, limit = calls(dry.rounding.python)(m, n), calls(dry.limit.python)(m, n)
         # what drivers hold goes as they do: where they rest its own rate is rounding
-        rate = select(held & self._sticks(n), calls(fixed_value.python)(m, m.dry_reaction, n, at.NU), rate)
+        rate = select(held & self._sticks(m, n), calls(fixed_value.python)(m, m.dry_reaction, n, at.NU), rate)
         rate = select(abs(rate) <= slight, 0.0, rate)
+        rough = m.values[self.table[n, at.DRY_P] + at.DRY_MU_STATIC] > 0.0
         kept = select(held, select(apply("equal", rate, 0.0), 1.0, -1.0), limit - abs(tau))
         ahead = calls(sudden.python)(m, n)
         terms = abs(m.dry_rows[n, at.GAMMA])
@@ -208,11 +210,11 @@ class RecordedFriction:
         caused = summed(
             abs(calls(dry.mobility.python)(m, n, o) * memory[o, at.DRY_FORCE]) for o in range(len(self.table))
         )
-        rounded = (abs(ahead) <= NO_RATE * terms + NO_FORCE * caused) | self._sticks(n)
+        rounded = (abs(ahead) <= NO_RATE * terms + NO_FORCE * caused) | self._sticks(m, n)
         ahead = select(held, calls(driven_ahead.python)(m, n), select(rounded, 0.0, ahead))
         return Joint(
-            select(self._sticks(n), kept, -self._sense(n) * rate),
-            select(self._sticks(n), FAINT * (limit + abs(tau)), slight), rate, tau, ahead,
+            select(rough, select(self._sticks(m, n), kept, -self._sense(n) * rate), 1.0),
+            select(self._sticks(m, n), FAINT * (limit + abs(tau)), slight), rate, tau, ahead,
             self._held_by_others(m, n),
         )  # fmt: skip
 
@@ -230,7 +232,7 @@ class RecordedFriction:
         for n in numbers:
             row: list[Operand] = [*(1.0 if n == o else 0.0 for o in numbers), 0.0]
             if n in self.modes:
-                sticks = self._sticks(n) & (m.dry_memory[n, at.DRY_HELD] < 0.5)
+                sticks = self._sticks(m, n) & (m.dry_memory[n, at.DRY_HELD] < 0.5)
                 own = select(sticks, mobility(m, n, n), 1.0)
                 stuck = [*(mobility(m, n, o) / own for o in numbers), rates[n] / own]
                 row = [select(sticks, a, b) for a, b in zip(stuck, row, strict=True)]

@@ -207,6 +207,7 @@ class Energies:
     curves: tuple[int, int, int, int, int]
     limit: float
     weight: float = 0.0  # [J]
+    slight: float = 0.0  # what is no energy [J]
     rows = 5
 
     def start(self, curves: Sequence[Operand]) -> list[Operand]:
@@ -223,7 +224,7 @@ class Energies:
         low, high = least(potential, held[1]), largest(potential, held[2])
         turnover = largest(largest(kinetic, work), high - low)
         rounding = AFTER * (kinetic + work + largest(abs(low), abs(high)) + self.weight)
-        sound = abs(balance) <= self.limit * turnover + rounding
+        sound = abs(balance) <= self.limit * turnover + rounding + self.slight
         return [kinetic, low, high, work, select(sound, 1.0, 0.0)]
 
 
