@@ -656,3 +656,25 @@ def test_blocks_on_each_other_move_at_the_end_of_growing_friction_as_just_before
     assert all(run.success for run in runs), [run.message for run in runs]
     forces = np.array([[run["first.friction"][0], run["second.friction"][0]] for run in runs])
     assert abs(np.diff(forces, axis=0) / forces[1:]).max() < 0.02
+
+
+@pytest.mark.parametrize(("force", "wide"), [(5.0, 0.3), (50.0, 0.01)])
+def test_a_short_push_moves_what_sticks(force, wide):
+    """Of F exp(-((t - 5)/w)^2): steps grow while the block rests, and must not pass the push."""
+    push = f'[loads.push]\ntype = "force"\nat = "block.C"\nforce = ["{force}*exp(-((t - 5)/{wide})**2)", 0]\n'
+    run = rt.loads(block("friction = 0.4", start="x = 0, vx = 0", more=push)).simulate(10, t_eval=[0, 10])
+    limit = 0.4 * G
+    begins = 5.0 - wide * np.sqrt(np.log(force / limit))
+
+    def rate(t, y):
+        return [y[1], force * np.exp(-(((t - 5.0) / wide) ** 2)) - limit]
+
+    def rests(t, y):
+        return y[1] if t > 5.0 else 1.0
+
+    rests.terminal = True
+    want = solve_ivp(
+        rate, (begins, 10.0), [0.0, 0.0], "DOP853", rtol=1e-11, atol=1e-14, events=rests, max_step=wide / 9
+    )
+    assert run["block.x"][-1] == pytest.approx(want.y[0, -1], rel=1e-6)
+    assert [event.kind for event in run.events] == ["slip", "stick"]
