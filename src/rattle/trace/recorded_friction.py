@@ -131,7 +131,7 @@ class RecordedFriction:
                     held = [*fixed[:-1], fixed[-1] + summed(a * x for a, x in zip(fixed, tau, strict=False))]
                     row = [select(self._sticks(m, n), a, b) for a, b in zip(held, row, strict=True)]
                 rows.append(row)
-            change, definite = _eliminated(rows, doubts)
+            (change,), definite = _eliminated(rows, doubts)
             tau = [x - dx for x, dx in zip(tau, change, strict=True)]
         size = summed(abs(x) for x in tau)
         require = self._copies.of(assume.python)
@@ -190,9 +190,9 @@ class RecordedFriction:
     # ---------------------------------------------------------------- modes
     def at(self, m: SimpleNamespace) -> list[Joint]:
         """Joints with set-valued friction, at a state for which the equations of motion stand in m."""
-        return [self._joint(m, n) for n in self.rubs]
+        return [self._joint(m, n, held) for n, held in zip(self.rubs, self._held_by_others(m), strict=True)]
 
-    def _joint(self, m: SimpleNamespace, n: int) -> Joint:
+    def _joint(self, m: SimpleNamespace, n: int, by_others: Operand) -> Joint:
         memory, calls = m.dry_memory, self._copies.of
         held, tau, rate = memory[n, at.DRY_HELD] > 0.5, memory[n, at.DRY_FORCE], memory[n, at.DRY_RATE]
         slight, limit = calls(dry.rounding.python)(m, n), calls(dry.limit.python)(m, n)
@@ -215,37 +215,41 @@ class RecordedFriction:
         return Joint(
             select(rough, select(self._sticks(m, n), kept, -self._sense(n) * rate), 1.0),
             select(self._sticks(m, n), FAINT * (limit + abs(tau)), slight), rate, tau, ahead,
-            self._held_by_others(m, n),
+            by_others,
         )  # fmt: skip
 
     def rest(self, m: SimpleNamespace, state: np.ndarray) -> None:
         """Take from the rates in a state what is left to joints that stick; see `dry_friction_modes.bring_to_rest`."""
         nq = m.change.shape[0]
-        taken = self._taken(m, [m.dry_memory[n, at.DRY_RATE] for n in range(len(self.table))])
+        (taken,) = self._taken(m, [[m.dry_memory[n, at.DRY_RATE] for n in range(len(self.table))]])
         for k in range(nq):
             state[nq + k] = state[nq + k] - summed(x * m.dry_response[n, 3 + k] for n, x in enumerate(taken))
 
-    def _taken(self, m: SimpleNamespace, rates: Sequence[Operand]) -> list[Operand]:
-        """Impulses of joints that stick which take these rates (nd,) from their coordinates."""
+    def _taken(self, m: SimpleNamespace, rates: Sequence[Sequence[Operand]]) -> list[list[Operand]]:
+        """Impulses of joints that stick which take rates (nd,) from their coordinates, one after the other."""
         numbers, mobility = range(len(self.table)), self._copies.of(dry.mobility.python)
         rows: list[list[Operand]] = []
         for n in numbers:
-            row: list[Operand] = [*(1.0 if n == o else 0.0 for o in numbers), 0.0]
+            row: list[Operand] = [*(1.0 if n == o else 0.0 for o in numbers), *(0.0 for _ in rates)]
             if n in self.modes:
                 sticks = self._sticks(m, n) & (m.dry_memory[n, at.DRY_HELD] < 0.5)
                 own = select(sticks, mobility(m, n, n), 1.0)
-                stuck = [*(mobility(m, n, o) / own for o in numbers), rates[n] / own]
+                stuck = [*(mobility(m, n, o) / own for o in numbers), *(each[n] / own for each in rates)]
                 row = [select(sticks, a, b) for a, b in zip(stuck, row, strict=True)]
             rows.append(row)
         return _eliminated(rows, [self._doubt(m, n) for n in numbers])[0]
 
-    def _held_by_others(self, m: SimpleNamespace, n: int) -> Operand:
-        """As `dry_friction_modes.held_by_others`: 1, or 0, also if drivers hold it."""
+    def _held_by_others(self, m: SimpleNamespace) -> list[Operand]:
+        """As `dry_friction_modes.held_by_others` of joints with set-valued friction: 1, or 0, also if drivers do."""
         numbers, mobility = range(len(self.table)), self._copies.of(dry.mobility.python)
-        by = self._taken(m, [mobility(m, o, n) for o in numbers])
-        left = mobility(m, n, n) - summed(mobility(m, n, o) * x for o, x in zip(numbers, by, strict=True))
-        driven = m.dry_memory[n, at.DRY_HELD] > 0.5
-        return select((left <= TAKEN * mobility(m, n, n)) & apply("not", driven), 1.0, 0.0)
+        held = []
+        for n, by in zip(
+            self.rubs, self._taken(m, [[mobility(m, o, n) for o in numbers] for n in self.rubs]), strict=True
+        ):
+            left = mobility(m, n, n) - summed(mobility(m, n, o) * x for o, x in zip(numbers, by, strict=True))
+            driven = m.dry_memory[n, at.DRY_HELD] > 0.5
+            held.append(select((left <= TAKEN * mobility(m, n, n)) & apply("not", driven), 1.0, 0.0))
+        return held
 
 
 def beyond(limit_left: Operand, force: Operand) -> Operand:
@@ -264,8 +268,8 @@ def _spread(m: SimpleNamespace, forces: list[Operand]) -> None:
                 target[place] = target[place] + response[place] * tau
 
 
-def _eliminated(rows: list[list[Operand]], doubts: Sequence[Operand]) -> tuple[list[Operand], Flag]:
-    """x of rows (A, b) whose diagonals are about one, and whether all pivots are positive.
+def _eliminated(rows: list[list[Operand]], doubts: Sequence[Operand]) -> tuple[list[list[Operand]], Flag]:
+    """x of rows (A, b, ...) whose diagonals are about one, one for each b, and whether all pivots are positive.
 
     A coordinate that depends on others that stick needs no friction of its own, as in `dry_friction.eliminate`.
     """
@@ -281,8 +285,11 @@ def _eliminated(rows: list[list[Operand]], doubts: Sequence[Operand]) -> tuple[l
         for n in range(k + 1, count):
             share = rows[n][k] / rows[k][k]
             rows[n] = [x if o <= k else x - share * y for o, (x, y) in enumerate(zip(rows[n], rows[k], strict=True))]
-    result: list[Operand] = [0.0] * count
-    for k in reversed(range(count)):
-        value = rows[k][count] - summed(rows[k][o] * result[o] for o in range(k + 1, count))
-        result[k] = value / rows[k][k]
-    return result, positive
+    results = []
+    for right in range(count, len(rows[0])):
+        result: list[Operand] = [0.0] * count
+        for k in reversed(range(count)):
+            value = rows[k][right] - summed(rows[k][o] * result[o] for o in range(k + 1, count))
+            result[k] = value / rows[k][k]
+        results.append(result)
+    return results, positive
