@@ -1,4 +1,5 @@
-"""Samples with contacts side by side against runs alone: processor time per sample of every example that has some."""
+"""Samples with contacts, or joints that rub, side by side against runs alone: processor time per sample of every
+example that has some."""
 
 from __future__ import annotations
 
@@ -22,7 +23,8 @@ def rows(repeats: int) -> list[Row]:
     answers = []
     for name in sorted(rt.examples()):
         mechanism = rt.example(name)
-        if len(mechanism.system.arrays["contact"]) and mechanism.model.parameters:
+        met = len(mechanism.system.arrays["contact"]) or mechanism.system.rough_joints
+        if met and mechanism.model.parameters:
             answers.append(row(name, mechanism, repeats))
     return answers
 
