@@ -165,7 +165,7 @@ ARRAYS = {
     "massless_impulse": Array("f1", "nr or 0", "", "scratch"),
     # dry friction of joints without play, see `equations.dry_friction`
     "dry": Array("i2", "nd, 13", "", "joints without play that have friction"),
-    "dry_memory": Array("f2", "nd, 18", "N, m/s or N*m, rad/s", "their modes and friction forces"),
+    "dry_memory": Array("f2", "nd, 19", "N, m/s or N*m, rad/s", "their modes and friction forces"),
     "dry_rows": Array("f2", "nd, 9", "m or rad", "rows of their free coordinates, as `rows`"),
     "dry_response": Array("f2", "nd, 3 nb + 3", "", "Y: accelerations of all bodies caused by unit forces"),
     "dry_reaction": Array("f2", "nd, nr", "", "Z: multipliers caused by unit forces"),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from rattle.equations.dry_friction import is_smooth
 from rattle.equations.motion import DONE, OK, PAUSED, STEP_TOO_SMALL, potential_of_fall
 from rattle.equations.state import WORK, energies_at
 from rattle.equations.unilateral import LOCKED, NO_SOLUTION
@@ -25,6 +26,7 @@ from rattle.solvers.output_row import record
 from rattle.solvers.state_switches import choose_sides
 from rattle.solvers.step_audit import set_floor
 
+WHILE_HELD = 125.0  # steps of a run with joints that may stick, at least; each is searched in 16 parts
 GLANCE = 1e-6  # share of a run to look ahead for the side of a switching function that is zero
 JAM_APART = 1e-9  # share of a run within which a second jam is at the same place: passing it again does not help
 STEP_AFTER_JAM = 1e-6  # share of what is left of a run that the step after a jam has at least
@@ -52,6 +54,7 @@ def begin(m, t, t_end, rtol, atol, h_max, t_out, out):
         if status != OK:
             return status
         take_sides(m, t, t_end)
+    h_max = while_held(m, t_end, h_max)
     status = step_loop.begin(m, t, t_end, rtol, atol, h_max)
     set_floor(m, m.course[at.EXTENT], m.audit[at.OPEN_LIMIT], rtol, atol)
     if loop == at.RUNS_SMOOTHLY:
@@ -123,6 +126,16 @@ def instant_ahead(m):
 
 
 @compiled
+def while_held(m, t_end, h_max):
+    """The longest step [s] of a run to t_end [s]: steps grow while joints stick, however what they hold changes."""
+    if m.stepper[at.ADAPTIVE] == 1:
+        for n in range(m.dry.shape[0]):
+            if not is_smooth(m, n):
+                return min(h_max, abs(t_end) / WHILE_HELD)
+    return h_max
+
+
+@compiled
 def pace(m, t, t_end, h_max):
     """With fixed steps, choose equal ones from the time t [s] to the next instant of the timetable."""
     ahead = min(instant_ahead(m), t_end) - t
@@ -143,6 +156,7 @@ def advance(m, t, t_end, rtol, atol, h_max, t_out, out, most_steps):
 
     It passes at most one instant or jam.
     """
+    h_max = while_held(m, t_end, h_max)
     instant = instant_ahead(m)
     if instant > t:
         return take_steps(m, t, t_end, rtol, atol, h_max, t_out, out, most_steps)

@@ -262,7 +262,7 @@ class Meeting:
         if not level:
             low = low | self._low(n, k)
         after = select(took_part & low, DECIDES, OPEN)
-        sense = select(end["slip"] > 0.0, 1.0, select(end["slip"] < 0.0, -1.0, 0.0))
+        sense = _sign(end["slip"])
         shut = select(self.decides, self.struck.shut[r], select(again[n], DECIDES, touch.shut[n]))
         slide = select(again[n] & (touch.shut[n] < 0.5), sense, touch.speed[n])
         slide = select(self.decides & (touch.shut[n] > 0.5), self.struck.slide[r], slide)

@@ -42,7 +42,6 @@ stop = threading.Event()  # when set, all runs of the process end where they are
 MOST_NUMBERS = 8_000_000  # of output rows beside events that a run keeps: 64 MB
 SHORTEST_RUN = 1e-300  # time that may be divided by, where a run ends at its start [s]
 CHUNK = 2000  # steps between two checks of progress and of Ctrl-C
-WHILE_HELD = 125.0  # steps of a run with joints that may stick, at least; each is searched in 16 parts
 
 
 class How(NamedTuple):
@@ -138,16 +137,9 @@ class Run(ABC):
         rows = 0 if self.ports or self.wear else 2 * steps + 2
         return {"break_rows": np.zeros((rows, width(self.system))), "break_times": np.zeros(rows + 1)}
 
-    @property
-    def _longest(self) -> float:
-        """The longest step [s]; one of equal length.  Steps grow while joints stick, however what they hold changes."""
-        rubs = bool((self.system.arrays["dry"][:, at.DRY_LAW] < 0).any())
-        held = self.t_end / WHILE_HELD if rubs and self.stepper.leaf.adaptive else math.inf
-        return min(self.step or math.inf, held)
-
     def begin(self, t: float) -> int:
         """Prepare steps from the time t [s] and the state in the workspace; returns PAUSED, or a failure status."""
-        how = self.rtol, self.atol, self._longest
+        how = self.rtol, self.atol, self.step or math.inf
         return int(run_loop.begin(self.workspace, t, self.t_end, *how, self.t_eval, self.raw))
 
     def advance(self, t: float, chunk: int) -> int:
@@ -155,7 +147,7 @@ class Run(ABC):
 
         Steps end at the instants at which expressions switch.
         """
-        how = self.rtol, self.atol, self._longest
+        how = self.rtol, self.atol, self.step or math.inf
         return int(run_loop.advance(self.workspace, t, self.t_end, *how, self.t_eval, self.raw, chunk))
 
     @property
