@@ -128,10 +128,11 @@ def instant_ahead(m):
 @compiled
 def while_held(m, t_end, h_max):
     """The longest step [s] of a run to t_end [s]: steps grow while joints stick, however what they hold changes."""
-    if m.stepper[at.ADAPTIVE] == 1:
-        for n in range(m.dry.shape[0]):
-            if not is_smooth(m, n):
-                return min(h_max, abs(t_end) / WHILE_HELD)
+    if m.course[at.LOOP] == at.RUNS_EQUAL_STEPS:
+        return h_max
+    for n in range(m.dry.shape[0]):
+        if m.stepper[at.ADAPTIVE] == 1 and not is_smooth(m, n):
+            return min(h_max, abs(t_end) / WHILE_HELD)
     return h_max
 
 
