@@ -106,10 +106,7 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
     if meeting is not None:
         fits = fits & kept  # stages of a try that goes far beyond a contact say nothing
         accepted = (fits & apply("not", meeting.met.cut > 0.0)) | (still & kept)
-    wide = ledger.curves + 1
-    samples = [[curves[n], *after[n::wide]] for n in range(ledger.curves)]
-    if meets is not None:  # where no time passes, what holds from then on counts alone
-        samples = [[select(still, row[-1], x) for x in row] for row in samples]
+    samples = _samples(ledger, curves, after, still, meets)
     crossings = {curve: (crossed[2 * n], crossed[2 * n + 1]) for n, curve in enumerate(ledger.conditions)}
     seen = dict(zip(ledger.watched, zip(shown, shown[len(ledger.watched) :], strict=False), strict=True))
     at_start = still & (t_new <= 0.0) if meets is not None else False
@@ -131,8 +128,7 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         turned = meeting.turn(proposed, lane)
         reached = select(turned.lost, float(Status.CONTACTS), reached)
         reached = select(turned.unkept, float(Status.ASSUMPTION), reached)
-        longest = meeting.longest_at_rest(stops.short)
-        ahead = select(meeting.rests(turned.touch), least(turned.ahead, longest), turned.ahead)
+        ahead = meeting.ahead(turned, stops.short)
     landed = good & last
     number = number + one(landed)
     through = landed & (number >= float(len(stops.instants))) & (reached < 0.0)
@@ -147,11 +143,24 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         plan[-2], plan[-1], taken = turned.still, turned.landing, good & apply("not", still)
     controlled = [going, select(running, reached, status), number, steps + one(taken), tries + one(running), *plan]
     counts = good if turned is None else good & (turned.decided | apply("not", still))  # no mode that is only tried
-    last_curves, rows = (
-        [select(which, new, old) for new, old in zip(*pair, strict=True)]
-        for which, pair in ((good, (after[-wide:], curves)), (counts, (rows, held)))
-    )
+    last_curves, rows = _kept(good, after[-len(curves) :], curves), _kept(counts, rows, held)
     return graph, [good, taken & asks, *last_curves, *(turned.touch if turned else ()), *rows, *controlled]
+
+
+def _samples(
+    ledger: Ledger, curves: Sequence[Operand], after: Sequence[Operand], still: Flag, meets: Meets | None
+) -> list[list[Operand]]:
+    """Curves in the step, from its start on; where no time passes, what holds from then on counts alone."""
+    wide = ledger.curves + 1
+    samples = [[curves[n], *after[n::wide]] for n in range(ledger.curves)]
+    if meets is None:
+        return samples
+    return [[select(still, row[-1], x) for x in row] for row in samples]
+
+
+def _kept(good: Flag, new: Sequence[Operand], old: Sequence[Operand]) -> list[Operand]:
+    """New rows where they count."""
+    return [select(good, a, b) for a, b in zip(new, old, strict=True)]
 
 
 def _last(*fails: tuple[Flag, Status]) -> Operand:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
+import threading
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from rattle.trace.lane_batch import Batch
 from rattle.trace.lane_control import Status
 from rattle.trace.lane_program import EIGHT, Program
 from rattle.trace.lane_start import Stock
-from rattle.trace.lanes import WIDTH
+from rattle.trace.lanes import WIDTH, at_once
 
 LOOKS = 16  # steps between two looks; lanes that have come to an instant wait for half of them
 
@@ -24,22 +25,16 @@ class Strobe:
         self.program, self.parameters, self.times = program, parameters, times
         self.values = np.full((len(program.ledger.reductions), *times.shape), np.nan)  # of the reductions, [SI]
         self.status = np.full(len(times), Status.TOO_MANY_STEPS, dtype=np.int8)  # DONE once all are seen
-        self._broken = False
+        self._broken, self._lock = False, threading.Lock()
 
     def run(self, threads: int = 1, progress: Callable[[int], None] | None = None) -> None:
-        """Follow all samples; progress is called with numbers of samples all of which is seen, from the threads."""
+        """Follow all samples; progress is called with numbers of samples all of which is seen, from the threads, one at
+        a time."""
         shares = [share for share in np.array_split(np.arange(len(self.times)), max(1, threads)) if len(share)]
-        if len(shares) == 1:
-            self._follow(shares[0], progress)
-            return
-        with ThreadPoolExecutor(len(shares)) as pool:
-            jobs = [pool.submit(self._follow, share, progress) for share in shares]
-            try:
-                for job in jobs:
-                    job.result()
-            except BaseException:
-                self._broken = True  # the others stop too
-                raise
+        at_once([functools.partial(self._follow, share, progress) for share in shares], self._halt)
+
+    def _halt(self) -> None:
+        self._broken = True
 
     def _follow(self, samples: np.ndarray, progress: Callable[[int], None] | None) -> None:
         width = min(WIDTH, -(-len(samples) // EIGHT) * EIGHT)
@@ -58,7 +53,8 @@ class Strobe:
                     continue
                 through = batch.step()
                 if len(through) and (ended := self._look(batch, through, seen)) and progress is not None:
-                    progress(ended)
+                    with self._lock:
+                        progress(ended)
 
     def _begin(self, batch: Batch, stock: Stock, idle: np.ndarray, samples: np.ndarray) -> None:
         """Put samples into idle lanes."""

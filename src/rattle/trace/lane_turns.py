@@ -109,10 +109,12 @@ class Meeting:
         speeds = touch[self.meets.n + self.meets.rubs :]
         return shut | _any(apply("equal", speeds[n], 0.0) for n in self.meets.rubbing)
 
-    def longest_at_rest(self, short: Operand) -> Operand:
-        """The longest step then [s]; short: one that is short beside the run, for loads that change with time."""
+    def ahead(self, turned: Turned, short: Operand) -> Operand:
+        """The step to try next [s], of limited length then; short: one that is short beside the run, for loads that
+        change with time."""
         turn = TURN / largest(self.met.turning, LITTLE)
-        return least(turn, short) if self.meets.pulsates else turn
+        longest = least(turn, short) if self.meets.pulsates else turn
+        return select(self.rests(turned.touch), least(turned.ahead, longest), turned.ahead)
 
     def turn(self, planned: Sequence[Operand], flags: Lane) -> Turned:
         """What a trip to t leaves of the contacts; its step has the length h [s]."""

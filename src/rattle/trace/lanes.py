@@ -10,7 +10,7 @@ A sample whose assumptions fail, or whose motion cannot be trusted, ends with a 
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
@@ -86,18 +86,27 @@ def run(
     work = _Work(np.asarray(parameters, dtype=float), len(program.ledger.reductions), progress)
     share = -(-work.count // (EIGHT * threads)) * EIGHT
     sizes = min(width, share), min(STOCK, share), looks
-    if threads == 1:
-        _integrate(program, work, *sizes)
-    else:
-        with ThreadPoolExecutor(threads) as pool:
-            jobs = [pool.submit(_integrate, program, work, *sizes) for _ in range(threads)]
-            try:
-                for job in jobs:
-                    job.result()
-            except BaseException:
-                work.broken = True  # the others stop too
-                raise
+
+    def halt() -> None:
+        work.broken = True
+
+    at_once([lambda: _integrate(program, work, *sizes)] * threads, halt)
     return work.outcome._replace(tallies=work.tallies)
+
+
+def at_once(jobs: Sequence[Callable[[], None]], halt: Callable[[], None]) -> None:
+    """Do all jobs, on as many threads; one job here.  halt: makes the others end if one of them raises."""
+    if len(jobs) == 1:
+        jobs[0]()
+        return
+    with ThreadPoolExecutor(len(jobs)) as pool:
+        waiting = [pool.submit(job) for job in jobs]
+        try:
+            for job in waiting:
+                job.result()
+        except BaseException:
+            halt()
+            raise
 
 
 def _integrate(program: Program, work: _Work, width: int, stock_size: int, looks: int) -> None:

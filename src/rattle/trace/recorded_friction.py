@@ -116,21 +116,11 @@ class RecordedFriction:
         change: list[Operand] = []
         definite: Flag = True
         for _ in range(ROUNDS):
-            rows = []
-            for n in numbers:
-                first, second = (bears[n][k] + summed(per_unit[n][o][k] * tau[o] for o in numbers) for k in range(2))
-                size, slope, slope2 = self._resisting(m, n, first, second)
-                sense = self._sense(n)
-                row = [
-                    (1.0 if n == o else 0.0) - sense * (slope * per_unit[n][o][0] + slope2 * per_unit[n][o][1])
-                    for o in numbers
-                ]
-                row.append(tau[n] - sense * size)
-                if n in self.modes:
-                    fixed = stuck[n]
-                    held = [*fixed[:-1], fixed[-1] + summed(a * x for a, x in zip(fixed, tau, strict=False))]
-                    row = [select(self._sticks(m, n), a, b) for a, b in zip(held, row, strict=True)]
-                rows.append(row)
+            rows = [self._slipping(m, n, tau, bears[n], per_unit[n]) for n in numbers]
+            for n in self.modes:
+                left = stuck[n][-1] + summed(a * x for a, x in zip(stuck[n], tau, strict=False))
+                held = [*stuck[n][:-1], left]
+                rows[n] = [select(self._sticks(m, n), a, b) for a, b in zip(held, rows[n], strict=True)]
             (change,), definite = _eliminated(rows, doubts)
             tau = [x - dx for x, dx in zip(tau, change, strict=True)]
         size = summed(abs(x) for x in tau)
@@ -138,6 +128,20 @@ class RecordedFriction:
         require(summed(abs(x) for x in change) <= CONVERGED * size)
         require(definite)
         return tau
+
+    def _slipping(
+        self, m: SimpleNamespace, n: int, tau: Sequence[Operand], bears: Sequence[Operand],
+        per_unit: Sequence[Sequence[Operand]],
+    ) -> list[Operand]:  # fmt: skip
+        """Row of Newton's equations of a joint that slips, at an estimate of all tau, and what is left of it.
+
+        bears: what it bears without friction; per_unit: per unit tau of each.
+        """
+        first, second = (bears[k] + summed(by[k] * x for by, x in zip(per_unit, tau, strict=True)) for k in range(2))
+        size, slope, slope2 = self._resisting(m, n, first, second)
+        sense = self._sense(n)
+        row = [(1.0 if n == o else 0.0) - sense * (slope * by[0] + slope2 * by[1]) for o, by in enumerate(per_unit)]
+        return [*row, tau[n] - sense * size]
 
     def _resisting(self, m: SimpleNamespace, n: int, first: Operand, second: Operand) -> tuple[Operand, ...]:
         """As `dry_friction.resisting`, with mu_static of a joint that rests at its limit."""

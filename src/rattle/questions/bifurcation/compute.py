@@ -102,9 +102,7 @@ def bifurcation(
     """
     arguments.whole("skip", skip, 0)
     arguments.whole("points", points, 1)
-    chosen = np.asarray(values, dtype=float)
-    if not chosen.size or chosen.ndim != 1:
-        raise InputError("values of the parameter: expected a one-dimensional array with at least one value")
+    chosen = _values(values)
     changed = [m.neighbour({parameter: float(value)}) for value in chosen]
     times = np.array([period_of(neighbour, period) * (skip + np.arange(points)) for neighbour in changed])
     how = {"method": method, "rtol": m.model.settings.rtol if rtol is None else rtol, "atol": atol, "step": step}
@@ -127,18 +125,25 @@ def bifurcation(
     finally:
         if bar is not None:
             bar.close()
-    through = int(together.done.sum()) + len(rows)
+    through, rule = int(together.done.sum()) + len(rows), _rule(changed, period)
     interrupted = through < len(changed)
-    if failure is not None and not (interrupted or np.isfinite(seen).any()):
+    if interrupted:
+        rule += f", stopped by the user after {through} of {len(chosen)} values"
+    elif failure is not None and not np.isfinite(seen).any():
         where = f"the first one at t = {failure.trust.t_end:.6g} s, {failure.message}"
         raise SolverError(f"no point: every run stopped before {skip} periods were over, {where}", failure)
     what = m.model.parameters.get(parameter)
-    rule = _rule(changed, period)
-    if interrupted:
-        rule += f", stopped by the user after {through} of {len(chosen)} values"
     return Bifurcation(
         parameter, chosen, what.unit if what else "", of, unit, seen, rule, interrupted, together.words(len(alone))
     )
+
+
+def _values(values: Sequence[float] | np.ndarray) -> np.ndarray:
+    """(k,) values of the parameter.  Raises InputError."""
+    chosen = np.asarray(values, dtype=float)
+    if not chosen.size or chosen.ndim != 1:
+        raise InputError("values of the parameter: expected a one-dimensional array with at least one value")
+    return chosen
 
 
 class _Together(NamedTuple):
@@ -214,7 +219,7 @@ def _rows(
             if k == 0:  # the first run alone, because it compiles
                 row, first = run(changed[0], times[0])
                 later = zip(changed[1:], times[1:], strict=True)
-                waiting = [pool.submit(lambda *one: run(*one)[0], *one) for one in later]
+                waiting = [pool.submit(lambda *pair: run(*pair)[0], *pair) for pair in later]
             else:
                 row = waiting[k - 1].result()
             rows.append(row)

@@ -70,16 +70,16 @@ def _by_derivatives(task: Task, fields: Fields) -> Slopes:
     return Slopes(slopes, f"differences of whole runs, because {next(iter(designs.differenced))}")
 
 
-def _seen(found: Slopes, trials: Trials, fields: Fields, value: float) -> Slopes:
+def _seen(exact: Slopes, trials: Trials, fields: Fields, value: float) -> Slopes:
     """Exact slopes, with what runs beside the nominal mechanism show of them where contacts begin and end: derivatives
     of motions that are near chaotic hold for smaller changes than tolerances."""
-    if not len(trials.task.mechanism.system.arrays["contact"]) or found.how != EXACT:
-        return found
+    if not len(trials.task.mechanism.system.arrays["contact"]) or exact.how != EXACT:
+        return exact
     beside, reach = _by_differences(trials, fields, value, "").values, _reach(fields)
-    off, size = np.abs(found.values - beside) * reach, np.abs(found.values) * reach
+    off, size = np.abs(exact.values - beside) * reach, np.abs(exact.values) * reach
     if np.nanmax(off, initial=0.0) <= ALIKE * size.max(initial=0.0):
-        return found
-    return found._replace(how=f"{EXACT}, which hold for smaller changes than these tolerances: runs show other slopes")
+        return exact
+    return exact._replace(how=f"{EXACT}, which hold for smaller changes than these tolerances: runs show other slopes")
 
 
 def _by_differences(trials: Trials, fields: Fields, value: float, why: str) -> Slopes:
