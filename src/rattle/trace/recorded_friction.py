@@ -176,8 +176,12 @@ class RecordedFriction:
         return select(sticks & (doubt > 1.0), doubt, 1.0)
 
     def _sticks(self, m: SimpleNamespace, n: int) -> Flag:
+        return (abs(self.modes[n]) < 0.5) & self._rough(m, n)
+
+    def _rough(self, m: SimpleNamespace, n: int) -> Flag:
+        """Whether it can bear any friction at all."""
         rough: Flag = m.values[self.table[n, at.DRY_P] + at.DRY_MU_STATIC] > 0.0
-        return (abs(self.modes[n]) < 0.5) & rough
+        return rough
 
     def _sense(self, n: int) -> Operand:
         """As `dry_friction.sense_of`."""
@@ -203,7 +207,6 @@ class RecordedFriction:
         # what drivers hold goes as they do: where they rest its own rate is rounding
         rate = select(held & self._sticks(m, n), calls(fixed_value.python)(m, m.dry_reaction, n, at.NU), rate)
         rate = select(abs(rate) <= slight, 0.0, rate)
-        rough = m.values[self.table[n, at.DRY_P] + at.DRY_MU_STATIC] > 0.0
         kept = select(held, select(apply("equal", rate, 0.0), 1.0, -1.0), limit - abs(tau))
         ahead = calls(sudden.python)(m, n)
         terms = abs(m.dry_rows[n, at.GAMMA])
@@ -217,7 +220,7 @@ class RecordedFriction:
         rounded = (abs(ahead) <= NO_RATE * terms + NO_FORCE * caused) | self._sticks(m, n)
         ahead = select(held, calls(driven_ahead.python)(m, n), select(rounded, 0.0, ahead))
         return Joint(
-            select(rough, select(self._sticks(m, n), kept, -self._sense(n) * rate), 1.0),
+            select(self._rough(m, n), select(self._sticks(m, n), kept, -self._sense(n) * rate), 1.0),
             select(self._sticks(m, n), FAINT * (limit + abs(tau)), slight), rate, tau, ahead,
             by_others,
         )  # fmt: skip
