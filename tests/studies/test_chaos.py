@@ -311,6 +311,12 @@ def test_a_bifurcation_says_what_ran_one_by_one():
     m = rt.loads(STOPPED.replace("CONTACT", LAWS["rigid"]))
     found = m.bifurcation("w", [3.4], "b.x", period="2*pi/w", skip=0, points=2)
     assert found.how == "1 one by one: the start is a point"
+    with pytest.raises(ValueError, match="the only point would be the start"):
+        m.bifurcation("w", [3.4], "b.x", period="2*pi/w", skip=0, points=1)
+    with pytest.raises(ValueError, match="threads"):
+        m.bifurcation("w", [3.4], "b.x", period="2*pi/w", skip=1, points=1, threads=0)
+    with pytest.raises(ValueError, match=r"the result has no .2\*b\.x"):
+        m.bifurcation("w", [3.4], "2*b.x", period="2*pi/w", skip=1, points=1)
     path = m.bifurcation("loads.spring.damping", [0.4, 0.5], "b.x", period=1.5, skip=2, points=2)
     assert path.how.startswith("2 one by one: no parameter 'loads.spring.damping'")
     assert np.isfinite(path.points).all()

@@ -63,3 +63,21 @@ def test_few_samples_and_constant_parameters_are_refused():
         mean_slopes(fields, [np.linspace(-1.0, 1.0, 5)], np.arange(5.0))
     with pytest.raises(ValueError, match="the same value in all samples"):
         mean_slopes(fields, [np.zeros(9)], np.arange(9.0))
+
+
+def test_a_value_that_was_drawn_once_has_no_bounds():
+    values, shares = (0.8, 1.2), (0.999, 0.001)
+    fields = Fields((Field("a", "", 0.8, 0.4, "table", 0.8, 1.2, values, shares),), (0,))
+    a = np.where(np.arange(200) == 7, 1.2, 0.8)
+    slope = mean_slopes(fields, [a], a**2 + np.random.default_rng(0).normal(size=200))["a"]
+    assert slope.low == -np.inf
+    assert slope.high == np.inf
+
+
+def test_values_that_are_given_twice_and_outputs_that_do_not_vary():
+    values = (0.8, 0.8, 1.2, 1.4)
+    fields = Fields((Field("a", "", 1.0, 0.4, "table", 0.8, 1.4, values, (0.25,) * 4),), (0,))
+    a = np.tile(values, 64)
+    slope = mean_slopes(fields, [a], 3.0 * a)["a"]
+    assert slope.value == pytest.approx(3.0)
+    assert mean_slopes(fields, [a], 3.0 + 1e-15 * a)["a"] == (0.0, 0.0, 0.0)

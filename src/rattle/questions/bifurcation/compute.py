@@ -12,6 +12,7 @@ import numpy as np
 from rattle.analyses import arguments
 from rattle.analyses.dynamics.run import stop
 from rattle.errors import InputError, ModelError, SolverError, TraceError
+from rattle.language.syntax import Name
 from rattle.language.times import Seconds
 from rattle.progress_bar import progress_bar
 from rattle.questions.poincare.compute import period_of
@@ -102,6 +103,10 @@ def bifurcation(
     """
     arguments.whole("skip", skip, 0)
     arguments.whole("points", points, 1)
+    if threads is not None:
+        arguments.whole("threads", threads, 1)
+    if skip + points < 2:
+        raise InputError("the only point would be the start: give skip or points of at least 2 together")
     chosen = _values(values)
     changed = [m.neighbour({parameter: float(value)}) for value in chosen]
     times = np.array([period_of(neighbour, period) * (skip + np.arange(points)) for neighbour in changed])
@@ -174,6 +179,8 @@ def _side_by_side(
         together = SideBySide(
             task_of(m, [parameter], [f"final({of})"], t_end=float(times.max()), **how), SEEN * times[0, 0]
         )
+        if not isinstance(together.task.outputs[0].reductions[0].inner, Name):
+            raise InputError(f"{of!r} is no name of the result")
         strobe = together.strobe(chosen[None], times)
     except (TraceError, InputError, ModelError) as error:  # what is wrong of these, runs alone say
         return none._replace(why=str(error))

@@ -138,6 +138,7 @@ class Ensemble(Samples):
 
         The derivative of the mean, averaged over the field with most weight at its middle, with 95 % bounds: where
         motions are chaotic it exists, though that of a single run does not.  A group counts as its first parameter.
+        Samples without a finite value are left out; bounds are infinite where single samples decide.
         Raises InputError for too few samples.
         """
         return mean_slopes(self.fields, [self[name] for name in self.parameters], self[output])

@@ -111,7 +111,7 @@ def polynomials(field: Field, x: np.ndarray, degree: int) -> np.ndarray:
     """(n, <= degree) polynomials at x (n,) with mean 0 and mean square 1 over the field, uncorrelated there."""
     if field.values:
         nodes, weights = np.array(field.values), np.array(field.shares)
-        degree = min(degree, len(nodes) - 1)
+        degree = min(degree, len(np.unique(nodes)) - 1)
     else:
         nodes, weights = field.quantile((np.arange(NODES) + 0.5) / NODES), np.full(NODES, 1.0 / NODES)
     middle, half = 0.5 * (field.low + field.high), 0.5 * (field.high - field.low)

@@ -23,10 +23,11 @@ from scipy import stats
 from rattle.errors import InputError
 from rattle.questions.ensemble.contributors import labels, members
 from rattle.questions.ensemble.fields import Fields
-from rattle.questions.ensemble.first_order import SAMPLES_PER_TERM, SINGULAR, polynomials
+from rattle.questions.ensemble.first_order import OWN, SAMPLES_PER_TERM, SINGULAR, polynomials
 from rattle.questions.ensemble.statistics import CONFIDENCE, Bounded, in_size
 
 HIGHEST = 3  # degree
+STILL = 1e-12  # share of an output by which it varies that is rounding
 PER_TERM = 20  # samples from which on a higher degree is taken
 
 
@@ -42,6 +43,8 @@ def mean_slopes(fields: Fields, columns: Sequence[np.ndarray], values: np.ndarra
     if n < (least := SAMPLES_PER_TERM * (d + 1)):
         raise InputError(f"{n} samples with a finite value are too few for {d} slopes; run at least {least}")
     sized, size = in_size(y)
+    if np.ptp(sized) <= STILL:
+        return dict.fromkeys(names, Bounded(0.0, 0.0, 0.0))
     degree = min(HIGHEST, max(1, n // (PER_TERM * d)))
     terms = [polynomials(fields.fields[k], columns[k][finite], degree) for k in first]
     if why := next((name for name, table in zip(names, terms, strict=True) if not table.shape[1]), ""):
@@ -51,8 +54,11 @@ def mean_slopes(fields: Fields, columns: Sequence[np.ndarray], values: np.ndarra
         raise InputError("a parameter has the same value in all samples that could be run")
     back = np.linalg.inv(triangle)
     coefficients = back @ (q.T @ sized)
-    foretold = (sized - q @ (q.T @ sized)) / np.maximum(1.0 - (q**2).sum(axis=1), SINGULAR)
+    away = 1.0 - (q**2).sum(axis=1)
+    foretold = (sized - q @ (q.T @ sized)) / np.maximum(away, SINGULAR)
     errors = np.sqrt((((q * foretold[:, None]) @ back.T) ** 2).sum(axis=0))
+    if away.min() < OWN:  # a sample that determines the fit at its own place says nothing of its error
+        errors[:] = np.inf
     wide = float(stats.t.ppf(0.5 + CONFIDENCE / 2.0, n - len(back)))
     place, slopes = 1, {}
     for k, name, table in zip(first, names, terms, strict=True):
