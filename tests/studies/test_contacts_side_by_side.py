@@ -1,6 +1,7 @@
 """Contacts side by side: closed forms, single runs of the same samples, the same bits in any company."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -294,10 +295,53 @@ def test_a_flank_that_has_just_let_go_does_not_knock_by_rounding():
     assert_alike(m, {"e": [0.0], "A": [2.8667e-4]}, outputs, 0.15, rel=1e-5, rtol=1e-9)
 
 
-def test_other_restitution_laws_run_alone():
-    text = slider_crank(RIGID.replace('"e"', '"e", restitution_law = "poisson"'))
-    found = rt.loads(text).many({"c": [5e-4]}, t_end=3e-4, outputs=["count(B.contacts)"])
-    assert 'run side by side with restitution_law = "newton" only' in found.stats["how"]
+def with_law(text, law):
+    return rt.loads(re.sub("(restitution = [^,} ]+)", rf'\1, restitution_law = "{law}"', text))
+
+
+ROD = """
+format = 1
+gravity = [0, -9.81]
+parameters = { mu = 0.5, e = 0.6, u = 0.0, w = 0.0, tilt = 0.5 }
+ground.points.O = [0, 0]
+bodies.rod = { points = { C = [0, 0], P = [0, -0.5] }, mass = 1, inertia = 0.08 }
+[joints.floor]
+type = "surface"
+connect = ["ground.O", "rod.C"]
+axis = 0
+corners = ["P"]
+contact = { model = "impact", restitution = "e", friction = "mu" }
+[initial]
+rod = { x = 0, y = 0.5, angle = "tilt", vx = "u", vy = -1, omega = "w" }
+"""
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson", "energetic"])
+def test_a_rod_is_struck_as_it_is_alone(law):
+    """It slides on, sticks, or slides back, in compression or after it."""
+    sets = np.array([(u, w, tilt, mu) for u in (-1, 0.0, 0.4, 3.0) for w in (-5.0, 1.0) for tilt in (-0.7, 0.1, 0.6)
+                     for mu in (0.05, 0.2, 0.5)])  # fmt: skip
+    samples = dict(zip(("u", "w", "tilt", "mu"), sets.T, strict=True))
+    outputs = ["final(rod.vx)", "final(rod.vy)", "final(rod.omega)", "count(floor.contacts)", LOST]
+    assert_alike(with_law(ROD, law), samples, outputs, 0.2, rel=1e-8, abs=1e-9, **FINE)
+
+
+def test_poissons_law_of_several_contacts():
+    m = with_law(ROW, "poisson")
+    assert_alike(m, {"e": np.array([1.0, 0.5, 0.0])}, ["final(a.vx)", "final(b.vx)", "final(c.vx)"], 0.5, **FINE)
+    falls = block().replace("y = 0.1", "y = 0.15").replace("restitution = 0", "restitution = 0.5")
+    samples = {"v": np.array([0.0, 0.3, 2.0])}
+    m = with_law(falls.replace("omega = 0", "omega = 0.4"), "poisson")
+    assert_alike(m, samples, ["final(block.x)", LOST], 0.6, rel=1e-9, abs=1e-9)
+
+
+def test_restitution_laws_that_run_alone():
+    stiff = ROW.replace('restitution = "e"', 'restitution = "e", stiffness = 1')
+    found = with_law(stiff, "lzb").many({"e": [0.5]}, t_end=0.5, outputs=["final(c.vx)"])
+    assert 'do not run side by side with restitution_law = "lzb"' in found.stats["how"]
+    found = with_law(ROW, "energetic").many({"e": [0.5]}, t_end=0.5, outputs=["final(c.vx)"])
+    assert "more contacts at once" in found.stats["how"]
+    assert not found.messages
 
 
 def test_a_one_way_clutch_takes_and_lets_go():

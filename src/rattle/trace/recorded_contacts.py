@@ -23,16 +23,17 @@ from rattle.jit import layout as at
 from rattle.language.recorded import Flag, Operand, Recorded, bare, symbol_of
 from rattle.solvers.contacts.contact_events import push
 from rattle.solvers.contacts.gap_search import rate_rounding
+from rattle.solvers.nonsmooth.impact_phases import LZB, NEWTON
 from rattle.trace.graph import Graph, Symbol, both, select
 from rattle.trace.known_signs import SHALLOW, Depth, Gap, positive
 from rattle.trace.recorded_friction import RecordedFriction
 from rattle.trace.recorded_language import Copies
-from rattle.trace.recorded_rigid import RigidContacts, Struck, power
+from rattle.trace.recorded_modes import power
+from rattle.trace.recorded_rigid import RigidContacts, Struck
 from rattle.value_types import Plain
 
 FIRST_DEPTH = 2.0**-20  # from which that is looked for where a contact turns back [m or rad]
 ROUNDS, SHARE_OF_DOUBLINGS = 7, 0.5  # of the energy that the depth takes: its force grows about linearly
-NEWTON = 0.0  # see the choices of `restitution_law`
 APART = 1e-3  # depth with which the laws of an open contact are computed, and left aside [m or rad]
 UNABLE = (
     (at.FILM_LAW, "oil", lambda x: x >= 0), (at.WORN, "wear", bool), (at.TOOTHED, "teeth", bool),
@@ -92,8 +93,8 @@ class RecordedContacts:
             if has(entry[column]):
                 raise TraceError(f"contacts with {words} (joint {joint}) cannot be straight-line code")
         first, rigid = entry[at.NORMAL_P], self.rigid[n]
-        if self.lanes and rigid and not alone and not _is(values[first + at.RESTITUTION_LAW], NEWTON):
-            raise TraceError(f'impacts (joint {joint}) run side by side with restitution_law = "newton" only')
+        if self.lanes and rigid and not alone and _is(values[first + at.RESTITUTION_LAW], LZB):
+            raise TraceError(f'impacts (joint {joint}) do not run side by side with restitution_law = "lzb"')
         if entry[at.LEVEL] and not (self.lanes and rigid and _is(values[first + at.MOST_TORQUE], math.inf)):
             raise TraceError(f"a clutch (joint {joint}) cannot be straight-line code, but an ideal one side by side")
 

@@ -29,18 +29,18 @@ from rattle.equations.state import IMPULSE, LOSS, WORK, account_at, energies_at
 from rattle.jit import layout as at
 from rattle.language.recorded import Flag, Operand
 from rattle.solvers.contacts.gap_search import rate_rounding
+from rattle.solvers.nonsmooth.impact_phases import NEWTON, POISSON
 from rattle.trace.graph import Graph, Symbol, apply, both, select, select_flag, summed
 from rattle.trace.recorded_language import Copies
+from rattle.trace.recorded_modes import SLIGHT, Try, first, power, solved
+from rattle.trace.recorded_restitution import Party, along_path, expanded
 
 SLOTS, SMOOTH_SLOTS = 2, 3  # contacts that take part at one instant, with friction and without
 # what a contact is: its state as an input of the graph; HITS: what is shut beside a contact that hits, too
 OPEN, SHUT, HITS, DECIDES = 0.0, 1.0, 2.0, 3.0
 OFF, STICKS, FORWARD, BACKWARD = range(4)  # modes
-SLIGHT = 1e-12  # share by which a bound may be missed: rounding
 ROUNDED = 1e-13  # share of the terms of an acceleration that is rounding
 FIXED = 1e-11  # share of G without joints that G is where these fix a gap or a slip
-RAISED = 1e-8  # share by which diagonals of G are raised
-ALIKE = 1e-9  # share by which two solutions may differ that count as one
 
 
 class Struck(NamedTuple):
@@ -74,15 +74,6 @@ class _Slot(NamedTuple):
 def _value(n: int, slots: Sequence[_Slot], values: Iterable[Operand]) -> Operand:
     """That of contact n, among the values of the slots; 0 if it does not take part."""
     return summed(select(slot.chosen[n], x, 0.0) for slot, x in zip(slots, values, strict=True))
-
-
-class _Try(NamedTuple):
-    """What slots do in some modes."""
-
-    modes: Sequence[int]
-    forces: list[list[Operand]]  # N and T of each
-    gains: list[Operand]  # change of rates, or accelerations, by them
-    fits: Flag
 
 
 class RigidContacts:
@@ -221,7 +212,7 @@ class RigidContacts:
                 *(select(sticks, x, y) for x, y in zip(g[w * k + 1], slips, strict=True)),
                 select(sticks, -free[k][1], 0.0),
             ])  # fmt: skip
-        f = _solved(rows)
+        f = solved(rows)
         return [f[w * k : w * k + w] for k in range(len(slots))]
 
     def _add(self, target: np.ndarray, slots: list[_Slot], f: Sequence[Sequence[Operand]], what: str) -> None:
@@ -246,8 +237,7 @@ class RigidContacts:
             decides = decides | (self.state[n] > 2.5)
         rate = {n: m.contact_kinematics[n, at.DGAP] for n in self.numbers}
         slip = {n: m.contact_kinematics[n, at.SLIP] for n in self.numbers}
-        before = [self._before(m, slot, rate, slip) for slot in slots]
-        struck, met, _ = self._tried(m, slots, before, lasting=False)
+        struck, met = self._impulses(m, slots, rate, slip)
         kept = self._in_modes(m, slots, [(slot.of(rate), slot.of(slip)) for slot in slots])
         impulses = [
             [select(hits, a, b) for a, b in zip(x, y_, strict=True)] for x, y_ in zip(struck, kept, strict=True)
@@ -268,6 +258,31 @@ class RigidContacts:
         sound = enough & (met | apply("not", hits)) & (lasts | apply("not", decides))
         return Struck(state, shut, slide, impulse, sound)
 
+    def _impulses(
+        self, m: SimpleNamespace, slots: list[_Slot], rate: dict[int, Operand], slip: dict[int, Operand]
+    ) -> tuple[list[list[Operand]], Flag]:
+        """N and T [N s] of each slot in an impact by the restitution law; a flag: there is one way."""
+        law = m.values[self.table[self.numbers[0], at.NORMAL_P] + at.RESTITUTION_LAW]
+        if law == NEWTON or (len(self.numbers) == 1 and not self.rough):  # then all laws are one
+            f, met, _ = self._tried(m, slots, [self._before(m, slot, rate, slip) for slot in slots], lasting=False)
+            return f, met
+        e, mu = (self._of(m, field) for field in (at.RESTITUTION, at.MU))
+        parties = [Party(slot.taken, slot.loose, slot.of(mu), slot.of(e)) for slot in slots]
+        rates = [x for slot in slots for x in (slot.of(rate), slot.of(slip))[: self.width]]
+        g = self._matrix(slots)
+        if law == POISSON:
+            pairs = [(-slot.of(rate), -slot.of(slip)) for slot in slots]
+            f, met, _ = self._tried(m, slots, pairs, lasting=False)
+            f, expands = expanded(self.graph, g, parties, f, rates)
+            return f, met & expands
+        one, met = [-(1.0 + parties[0].restitution) * rates[0] / g[0][0]], True
+        if self.rough:
+            one, met = along_path(g, parties[0], rates[0], rates[1])
+        for other in slots[1:]:
+            met = met & apply("not", other.taken)
+        none: list[Operand] = [0.0] * self.width
+        return [one, *(list(none) for _ in slots[1:])], met
+
     def _before(
         self, m: SimpleNamespace, slot: _Slot, rate: dict[int, Operand], slip: dict[int, Operand]
     ) -> tuple[Operand, Operand]:
@@ -283,7 +298,7 @@ class RigidContacts:
     def _tried(
         self, m: SimpleNamespace, slots: list[_Slot], right: list[tuple[Operand, Operand]], lasting: bool
     ) -> tuple[list[list[Operand]], Flag, list[Operand]]:
-        """As `_first` of all combinations of modes; right: -b.
+        """As `first` of all combinations of modes; right: -b.
 
         lasting: contacts whose sense of slip is given keep it.
         """
@@ -299,8 +314,8 @@ class RigidContacts:
             fits = both(self.graph, self._conditions(g, right, slots, mus, slides, combination, f, lasting))
             flat = [x for pair in f for x in pair]
             gains = [summed(x * y for x, y in zip(row, flat, strict=True)) for row in g]
-            tries.append(_Try(combination, f, gains, fits))
-        return _first(tries)
+            tries.append(Try(combination, f, gains, fits))
+        return first(tries)
 
     def _forces(
         self, g: list[list[Operand]], right: list[tuple[Operand, Operand]], mus: list[Operand],
@@ -319,7 +334,7 @@ class RigidContacts:
                 for j, s in unknown
             ]
             rows.append([*row, right[k][r]])
-        solution = dict(zip(unknown, _solved(rows), strict=True))
+        solution = dict(zip(unknown, solved(rows), strict=True))
         f = []
         for k, mode in enumerate(combination):
             normal = solution.get((k, 0), 0.0)
@@ -411,77 +426,4 @@ class RigidContacts:
         for k, slot in enumerate(slots):
             row = [select(slot.taken & other.taken, g[w * k][w * j], float(j == k)) for j, other in enumerate(slots)]
             rows.append([*row, select(slot.taken, -gaps[k], 0.0)])
-        return [[x, *[0.0] * (w - 1)] for x in _solved(rows)]
-
-
-def _first(tries: Sequence[_Try]) -> tuple[list[list[Operand]], Flag, list[Operand]]:
-    """N and T of each slot by the first try that fits; a flag: one motion does, whatever forces it has; its modes."""
-    forces: list[list[Operand]] = [[0.0] * len(f) for f in tries[0].forces]
-    modes: list[Operand] = [0.0] * len(forces)
-    gains: list[Operand] = [0.0] * len(tries[0].gains)
-    some: Flag = False
-    double: Flag = False
-    for this in tries:
-        off = summed(abs(x - y) for x, y in zip(this.gains, gains, strict=True))
-        size = summed(abs(x) + abs(y) for x, y in zip(this.gains, gains, strict=True))
-        double = double | (this.fits & some & (off > ALIKE * size))
-        first = this.fits & apply("not", some)
-        forces = [
-            [select(first, a, b) for a, b in zip(x, y, strict=True)] for x, y in zip(this.forces, forces, strict=True)
-        ]
-        gains = [select(first, a, b) for a, b in zip(this.gains, gains, strict=True)]
-        modes = [select(first, float(mode), x) for mode, x in zip(this.modes, modes, strict=True)]
-        some = some | this.fits
-    return forces, some & apply("not", double), modes
-
-
-def power(impulse: np.ndarray, rates: np.ndarray) -> Operand:
-    """Of forces (bodies, 3) at the rates of the bodies; the ground has none."""
-    total: Operand = 0.0
-    for place in np.ndindex(impulse.shape):
-        if place[0] > 0:
-            total = total + impulse[place] * rates[place]
-    return total
-
-
-def _solved(rows: list[list[Operand]]) -> list[Operand]:
-    """x of A x = b from rows (A, b), by elimination as they stand: no pivot is looked for.
-
-    Diagonals are raised by a share of RAISED, and what that has changed is taken back once: so equations that follow
-    from others, as of two corners that stick at one wall, share what they bear.
-    """
-    if len(rows) == 1:
-        return [rows[0][1] / rows[0][0]]
-    a = [[x * (1.0 + RAISED) if r == c else x for c, x in enumerate(row[:-1])] for r, row in enumerate(rows)]
-    factors = _eliminated(a)
-    x = _substituted(a, factors, [row[-1] for row in rows])
-    left = [row[-1] - summed(p * q for p, q in zip(row, x, strict=False)) for row in rows]
-    return [p + q for p, q in zip(x, _substituted(a, factors, left), strict=True)]
-
-
-def _eliminated(a: list[list[Operand]]) -> dict[tuple[int, int], Operand]:
-    """Bring a (n, n) into upper triangular form; the factor by which each row was taken from each below it."""
-    factors: dict[tuple[int, int], Operand] = {}
-    for c in range(len(a)):
-        for r in range(c + 1, len(a)):
-            if not _is_zero(a[r][c]):
-                factors[r, c] = a[r][c] / a[c][c]
-                for j in range(c + 1, len(a)):
-                    a[r][j] = a[r][j] - factors[r, c] * a[c][j]
-    return factors
-
-
-def _substituted(
-    a: list[list[Operand]], factors: dict[tuple[int, int], Operand], right: Sequence[Operand]
-) -> list[Operand]:
-    """x by a and the factors of `_eliminated`, and the right sides."""
-    b, x = list(right), list[Operand]([0.0] * len(a))
-    for (r, c), factor in factors.items():
-        b[r] = b[r] - factor * b[c]
-    for r in reversed(range(len(a))):
-        x[r] = (b[r] - summed(a[r][j] * x[j] for j in range(r + 1, len(a)))) / a[r][r]
-    return x
-
-
-def _is_zero(x: Operand) -> bool:
-    return not isinstance(x, Symbol) and x == 0.0
+        return [[x, *[0.0] * (w - 1)] for x in solved(rows)]
