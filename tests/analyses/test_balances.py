@@ -297,3 +297,27 @@ def test_names_and_order_of_the_tables_do_not_matter(plain, names, random):
     r = simulate(mixture(names=renamed, order=order))
     assert np.abs(state(r, renamed) - state(plain)).max() < 1e-8
     assert np.abs(forces(r) - forces(plain)).max() < 1e-6 * np.abs(forces(plain)).max()
+
+
+def test_what_a_damped_contact_loses_is_lost_whatever_follows():
+    """Where its force ends inside the wall, the step that follows may reach beyond the other side of the bush."""
+    m = rt.loads("""
+format = 1
+gravity = [0, -9.81]
+ground.points.O = [0, 0]
+bodies.b = { points = { C = [0.1, 0] }, mass = 1, inertia = 0.02 }
+loads.push = { type = "torque", body = "b", torque = "9*(1 - 3*t)" }
+initial = { b = { angle = 0, omega = 1 } }
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "b.C"]
+clearance = 1e-3
+contact = { model = "hertz", stiffness = 1e8, exponent = 1.5, damping = 100 }
+""")
+    coarse, fine = (
+        m.simulate(t_end=0.3, t_eval=np.linspace(0.0, 0.3, 3001), rtol=1e-9, step=step) for step in (None, 1e-4)
+    )
+    lost = coarse["energy.dissipated"]
+    assert np.diff(lost).min() > -2e-6
+    assert lost == pytest.approx(fine["energy.dissipated"], abs=2e-6)
+    assert 0.02 < lost[-1] < 0.03

@@ -97,7 +97,7 @@ def add_contact_forces(m):
             m.element_rate[k] = 0.0
         if contact[n, at.LEVEL] == 1:
             add_clutch_torque(m, n)
-        elif kinematics[n, at.GAP] < 0.0 and memory[n, at.CLOSED] != at.OPEN:
+        elif kinematics[n, at.GAP] < 0.0 and memory[n, at.CLOSED] != at.OPEN and memory[n, at.CLOSED] != at.RELEASED:
             if contact[n, at.WORN] == 1:
                 add_worn_contact(m, n)
             else:
@@ -112,10 +112,10 @@ def add_force_of_laws(m, n):
     static = call_stiffness(m.stiffness_table[contact[n, at.STATIC]], (delta, values, contact[n, at.STATIC_P]))
     arguments = (static, delta, ddelta, memory[n, at.SPEED], values, contact[n, at.NORMAL_P])
     normal = call_normal(m.normal_table[contact[n, at.NORMAL_LAW]], arguments)
-    if contact[n, at.BY_FORCE] == 1 and memory[n, at.CLOSED] != at.SHUT:
-        normal = max(0.0, normal) if memory[n, at.CLOSED] == at.AUTO else 0.0
+    if contact[n, at.BY_FORCE] == 1 and memory[n, at.CLOSED] == at.AUTO:
+        normal = max(0.0, normal)
     tangent = 0.0
-    if contact[n, at.FRICTION] >= 0 and memory[n, at.CLOSED] != at.RELEASED:
+    if contact[n, at.FRICTION] >= 0:
         slip, p = kinematics[n, at.SLIP], contact[n, at.FRICTION_P]
         arguments_t = (slip, normal, m.element_state[first:], values, p, m.element_rate[first:])
         tangent = call_friction(m.friction_table[contact[n, at.FRICTION]], arguments_t)

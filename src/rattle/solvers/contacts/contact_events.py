@@ -370,8 +370,11 @@ def open_up(m, n, t, y):
 
 @compiled
 def spend(m, n, t, y):
-    """Contact n ends at (t, y) inside its wall, where its force does: what its spring holds is lost from then on."""
+    """Contact n ends at (t, y) inside its wall, where its force does: what its spring holds is lost."""
+    k = account_at(m, n)
     note_end(m, n, t, y, max(m.contact_kinematics[n, at.DGAP], 0.0))
+    y[k + LOSS] += y[k + STORED]
+    y[k + STORED] = 0.0
     clear_states(m, n, y)
     m.contact_memory[n, at.CLOSED] = at.RELEASED
 
@@ -379,13 +382,13 @@ def spend(m, n, t, y):
 @compiled
 def take_again(m, n, t, y):
     """Contact n, without force inside its wall, is out of it at (t, y), or pushes again."""
-    if m.contact_kinematics[n, at.GAP] < -rounding(m, n):
-        shut(m, n, t, y)
-        return
-    k = account_at(m, n)
-    y[k + LOSS] += y[k + STORED]  # by rounding
-    y[k + STORED] = 0.0
     m.contact_memory[n, at.CLOSED] = at.OPEN
+    depth = -m.contact_kinematics[n, at.GAP]
+    if depth > rounding(m, n):  # its spring holds what had been taken for lost
+        k, held = account_at(m, n), strain_energy(m, n, depth)
+        y[k + LOSS] -= held
+        y[k + STORED] += held
+        shut(m, n, t, y)
 
 
 @compiled

@@ -370,7 +370,7 @@ def keep_forces(m, h, v, v_new, y):
         kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = -linear[r], -linear[r + 1]
         account, depth = account_at(m, n), 0.5 * h * m.soft_force[NEW, r] - kinematics[n, at.GAP]
         taken, stored = -linear[r] * mean[r] - linear[r + 1] * mean[r + 1], 0.0
-        if memory[n, at.CLOSED] == at.SHUT or memory[n, at.CLOSED] == at.RELEASED:
+        if memory[n, at.CLOSED] == at.SHUT:
             stored = ((strain_energy(m, n, depth) if depth > 0.0 else 0.0) - y[account + STORED]) / h
         kinematics[n, at.STORE], kinematics[n, at.LOSS] = stored, taken - stored
         y[account + IMPULSE] -= h * linear[r]
@@ -399,7 +399,7 @@ def book(m, t, h, y):
         if memory[n, at.CLOSED] != at.SHUT and not released:
             continue
         depth = -kinematics[n, at.GAP]
-        stored = strain_energy(m, n, depth) if depth > 0.0 else 0.0
+        stored = strain_energy(m, n, depth) if depth > 0.0 and not released else 0.0
         y[account + LOSS] += h * (kinematics[n, at.LOSS] + kinematics[n, at.STORE]) - stored + y[account + STORED]
         y[account + STORED] = stored
         if released:
