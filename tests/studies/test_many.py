@@ -339,10 +339,10 @@ def test_events_that_only_single_runs_tell_are_asked_of_these():
 
 
 @pytest.mark.nojit
-def test_switching_loads_are_run_one_by_one():
+def test_a_load_that_switches():
     m = rt.loads(SPRING.replace('stiffness = "k"', 'stiffness = "k*(1 if t < 0.2 else 2)"'))
     found = m.many({"k": [9.0]}, ["final(block.x)"], 0.4, rtol=1e-10)
-    assert "steps must end where expressions switch" in found.stats["how"]
+    assert not len(found.generic)
     x, v, w = 0.5 * np.cos(0.6), -1.5 * np.sin(0.6), 3.0 * np.sqrt(2.0)
     assert found["final(block.x)"][0] == pytest.approx(x * np.cos(0.2 * w) + v / w * np.sin(0.2 * w), abs=1e-8)
 

@@ -46,7 +46,7 @@ CODE = {  # by the name of an operation in a tree
 CODE["not"] = CODE["neg"]
 SQUARE, POW, HYPOT, SQRT = CODE["square"], CODE["**"], CODE["hypot"], CODE["sqrt"]
 SIN, COS, ACOS, LOG = CODE["sin"], CODE["cos"], CODE["acos"], CODE["log"]
-FLOOR, MIN, MAX = CODE["floor"], CODE["min"], CODE["max"]
+FLOOR, MOD, MIN, MAX = CODE["floor"], CODE["mod"], CODE["min"], CODE["max"]
 ADD, MUL = CODE["+"], CODE["*"]
 BRANCHES = {code: record.branches for code, record in RECORDS.items() if record.branches is not None}
 SWITCHES = frozenset((*BRANCHES, BENT, *range(LESS, CHOOSE)))
@@ -146,6 +146,16 @@ def run_two(code, row, x, y):
 
 
 @compiled
+def run_table(code, row, const, x):
+    """Value at x of the table in a row of a program."""
+    k, side = code[row, 1], code[row, SIDE]
+    value, _, _ = read_table(const, k, side, x, 0.0, 0.0)
+    if side != 0 and wave(knot_coordinate(const, k, x)) * side < 0.0:
+        code[row, CROSSED] = 1
+    return value
+
+
+@compiled
 def run_choice(code, row, stack, top):
     """Value of the choice in a row of a program, between the last two of the four numbers at `top` of the stack."""
     op, side = code[row, 0], code[row, SIDE]
@@ -184,12 +194,7 @@ def evaluate(code, const, first, last, t, body, signals, stack):
             top += 1
             stack[top] = signals[k]
         elif op in (CURVE, BENT):
-            x = float(stack[top])
-            side = code[row, SIDE]
-            value, _, _ = read_table(const, k, side, x, 0.0, 0.0)
-            stack[top] = value
-            if side != 0 and wave(knot_coordinate(const, k, x)) * side < 0.0:
-                code[row, CROSSED] = 1
+            stack[top] = run_table(code, row, const, float(stack[top]))
         elif op < FIRST_OF_TWO:
             stack[top] = run_one(code, row, float(stack[top]))
         elif op < LESS:

@@ -265,17 +265,13 @@ TANH = operation(
 @compiled
 def sign_on(side, x):
     """Sign of x on a side of 0."""
-    if x != x:
-        return x
-    return 1.0 if side > 0 else -1.0
+    return select(x != x, x, 1.0 if side > 0 else -1.0)
 
 
 @compiled
 def step_on(side, x):
     """Step at 0, on a side of it."""
-    if x != x:
-        return x
-    return 1.0 if side > 0 else 0.0
+    return select(x != x, x, 1.0 if side > 0 else 0.0)
 
 
 ABS = operation(

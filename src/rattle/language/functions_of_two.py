@@ -188,14 +188,14 @@ MOD = operation(
 @compiled
 def below_on(side, x, y):
     """1 where x is below y and -1 where not, on a side of x = y; half as large there, where it could be otherwise."""
-    sure = 0.5 if x == y else 1.0
+    sure = select(x == y, 0.5, 1.0)
     return sure if side < 0 else -sure
 
 
 @compiled
 def above_on(side, x, y):
     """1 where x is above y and -1 where not, likewise."""
-    sure = 0.5 if x == y else 1.0
+    sure = select(x == y, 0.5, 1.0)
     return -sure if side < 0 else sure
 
 

@@ -46,7 +46,7 @@ class Row(NamedTuple):
 
 
 class Meets(NamedTuple):
-    """The contacts of a model, n of them, and after them the joints that rub, as lanes follow them."""
+    """The contacts of a model, n of them, after them the joints that rub and what switches, as lanes follow them."""
 
     table: np.ndarray  # (n, columns) of the system
     lever: Sequence[Sequence[float | Row]]  # (n, columns) of the system
@@ -58,6 +58,7 @@ class Meets(NamedTuple):
     held: tuple[int, ...] = ()  # rigid contacts, and those that end where their force does
     pulsates: bool = False  # loads may change faster than what moves
     rubs: int = 0  # number of joints with dry friction: they slip in the sense of their speed, or stick
+    switches: int = 0  # number of expressions that switch: their speed is their side
 
     @property
     def n(self) -> int:
@@ -75,9 +76,19 @@ class Meets(NamedTuple):
         return range(self.n, self.n + self.rubs)
 
     @property
+    def switching(self) -> range:
+        """Numbers of the expressions that switch, after those of joints."""
+        return range(self.n + self.rubs, self.all_of)
+
+    @property
+    def all_of(self) -> int:
+        """Number of contacts, joints and expressions."""
+        return self.n + self.rubs + self.switches
+
+    @property
     def inputs(self) -> int:
         """Rows of `Touch` that are inputs of the equations: the first ones."""
-        return 2 * (self.n + self.rubs)
+        return 2 * self.all_of
 
     @property
     def touch_rows(self) -> int:
@@ -111,11 +122,11 @@ class Touch:
 
     A rigid contact is OPEN, SHUT, HITS or DECIDES, see `recorded_rigid`; its speed is the sense of its slip, 0: none.
     A compliant one that ends where its force does is RELEASED after that, inside its wall.  A joint that rubs is SHUT
-    or DECIDES, likewise.
+    or DECIDES, likewise; so is what switches.
     """
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
-        n, p, r, all_of = meets.n, len(meets.peaks), len(meets.held), meets.n + meets.rubs
+        n, p, r, all_of = meets.n, len(meets.peaks), len(meets.held), meets.all_of
         self.shut, self.speed, self.gap, self.rate, self.force, self.change, *held, lane = _parted(
             rows, [all_of, all_of, n, n, p, p, r, r, r, r, len(LANE)]
         )

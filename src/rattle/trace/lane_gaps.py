@@ -121,8 +121,10 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
         looks += seen
     rubs = _rubbing_looks(meets, touch, ends, midway, h, missed)
     spent += _together(meets, touch, ends, [look.arrives for look in rubs])
-    low += [0.0] * len(rubs)
-    for look in (*looks, *rubs):
+    others = [*rubs, *_switch_looks(meets, touch, ends, midway, h, missed)]
+    spent += [look.arrives for look in others[len(rubs) :]]
+    low += [0.0] * len(others)
+    for look in (*looks, *others):
         hit, doubt = hit | look.below, doubt | apply("not", look.free)
         theta = select(look.below, least(theta, look.zero), theta)
         short = select(look.free, short, least(short, least(MOST_SHARE * h, largest(look.allowed, LEAST_SHARE * h))))
@@ -222,6 +224,32 @@ def _rubbing_looks(
         start, most = touch.held["reserve"][k], touch.held["most reserve"][k]
         end, floor = ends.held["reserve"][k], ends.held["faint"][k]
         looks.append(_reserve_at(h, missed, start, midway[first + k], end, most, floor))
+    return looks
+
+
+def _switch_looks(
+    meets: Meets, touch: Touch, ends: Ends, midway: Sequence[Operand], h: Operand, missed: Operand
+) -> list[_Look]:
+    """What a step shows of expressions that switch: their switching functions and rates, in the sense of their sides.
+
+    The quartic through these is off by what their rate midway shows.
+    """
+    looks, first, held = [], 2 * meets.n + len(meets.peaks), len(meets.held)
+    for n in meets.switching:
+        k = meets.held.index(n)
+        start, rate = touch.held["reserve"][k], touch.held["pressed"][k]
+        end, end_rate, slight = (ends.held[name][k] for name in ("reserve", "pressed", "faint"))
+        half, half_rate = midway[first + held + k], midway[first + k]
+        curve = Quartic(start, h * rate, half, end, h * end_rate)
+        inside = (start <= 0.0) & (rate <= 0.0)
+        close = largest(slight, missed * abs(end_rate))
+        close = select(inside, largest(close, TURNS_BACK * abs(start)), close)
+        arrives = (end_rate < 0.0) & (abs(end) <= close)
+        low = select(inside, 0.0, least(start, 0.0)) - select(arrives, close, slight)
+        free = curve.lowest(abs(h * half_rate - curve.slope(0.5))) >= low
+        soon = least(0.5, abs(start) / largest(h * abs(rate), LITTLE))
+        zero = select(inside, largest(soon, LEAST_SOON), curve.zero())
+        looks.append(_Look(arrives, end < low, free | (arrives & inside), 0.0, zero, curve.beyond()))
     return looks
 
 

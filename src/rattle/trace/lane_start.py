@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from rattle.jit import layout as at
@@ -47,6 +49,7 @@ class Stock:
         state, tried = self._state, self._try
         state[0], state[1 : 1 + ny], state[1 + ny :] = 0.0, y, constants
         self.y[:] = y
+        self._take_sides()
         model.outputs(state, self.curves)
         program.start(self.curves, self.rows)
         model.rate(state, tried[ny : 2 * ny + 1])
@@ -69,6 +72,18 @@ class Stock:
         )
         return status[:k]
 
+    def _take_sides(self) -> None:
+        """Put expressions that switch on the sides of their switching functions."""
+        meets, ny = self.program.model.meets, self.program.model.ny
+        if meets is None or not meets.switches:
+            return
+        rows = np.zeros((meets.end_rows, self.n))
+        for _ in range(meets.switches):  # of some, others are part
+            meets.touched(self._state, rows)
+            for n in meets.switching:
+                k, ends = meets.held.index(n), Ends(meets, list(rows)).held
+                self._state[1 + ny + meets.all_of + n] = _side(ends["slip"][k], ends["tangent"][k])
+
     def _touch(self) -> np.ndarray:
         """Contacts at the start; (n,) True where none is beyond its wall.  What rigid ones at theirs do is found in a
         trip that takes no time."""
@@ -76,7 +91,7 @@ class Stock:
         self.still[:] = 0.0
         if meets is None:
             return np.ones(self.n, dtype=bool)
-        count, all_of, ny = meets.n, meets.n + meets.rubs, program.model.ny
+        count, all_of, ny = meets.n, meets.all_of, program.model.ny
         state = self._state.copy()
         state[0], state[1 : 1 + ny] = 0.0, self.y
         rows = np.zeros((meets.end_rows, self.n))
@@ -112,6 +127,9 @@ class Stock:
         for n in meets.rubbing:
             self.touch[n], self.touch[all_of + n] = DECIDES, np.sign(np.asarray(held[n]["slip"], dtype=float))
             self.still[:] = 1.0
+        for n in meets.switching:
+            self.touch[n], self.touch[all_of + n] = DECIDES, _side(held[n]["slip"], held[n]["tangent"])
+            self.still[:] = 1.0
         self.touch[LANE.index("closing") - len(LANE)] = at_once.any(axis=0)
         first = 2 * (all_of + count) + 2 * len(meets.peaks)
         for place, name in enumerate(HELD_STARTS):
@@ -146,3 +164,8 @@ class Stock:
     def evaluations(self) -> int:
         """Right-hand sides that a sample takes."""
         return 2 if self.program.method.adaptive else 1
+
+
+def _side(value: Any, rate: Any) -> np.ndarray:
+    """(n,) that on which a switching function with this value and rate (n,) is, or which it enters."""
+    return np.where(np.where(value != 0.0, value, rate) < 0.0, -1.0, 1.0)

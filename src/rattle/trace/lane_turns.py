@@ -9,8 +9,9 @@ from rattle.jit import layout as at
 from rattle.language.recorded import Flag, Operand
 from rattle.solvers.contacts.contact_events import AFTER_CONTACT, FIRST_STEP
 from rattle.solvers.nonsmooth.impacts import NOTICED
-from rattle.trace.graph import apply, select
+from rattle.trace.graph import apply, select, select_flag
 from rattle.trace.lane_contacts import COUNTED, LANE, Ends, Meets, Met, Struck, Touch, one
+from rattle.trace.lane_gaps import IN_TIME, SHARP
 from rattle.trace.lane_methods import largest, least
 from rattle.trace.lane_polynomials import FAR, LITTLE
 from rattle.trace.recorded_friction import FIRM, beyond
@@ -26,6 +27,7 @@ MOST_UNSOUND = 60  # tries of a run with stages that are not sound, as some are 
 TURN = 0.2  # of a body within which forces on a body at rest are known by three values [rad]
 AT_WALL = 1e-3  # share of the height of bounces that are not followed which may be rounding
 AT_ONCE = 1e-13  # share of the time within which turns are at one instant
+MISSED = 4.0  # of the time by which an instant may be missed: what is farther beyond zero has jumped there
 SHORTEST_LANDING = 2e-15  # share of the time that a step to a contact takes at least
 
 
@@ -151,8 +153,10 @@ class Meeting:
             "flown": select(turns, t - lane["turned at"], lane["flown"]),
             "turned at": select(turns, t, lane["turned at"]),
         }  # fmt: skip
-        shut, speed = self._states(flags.good & still, strikes)
-        waits = _any(shut[n] > 2.5 for n in (*rigid, *self.meets.rubbing)) | (still & self.decides)
+        late = SHARP * lane["hit length"] + IN_TIME * t
+        shut, speed = self._states(flags.good & still, strikes, late, flags.planned)
+        others = (*self.meets.rubbing, *self.meets.switching)
+        waits = _any(shut[n] > 2.5 for n in (*rigid, *others)) | (still & self.decides)
         state = [
             *self._moved(flags.good, shut, touch.shut), *self._moved(flags.good, speed, touch.speed),
             *(
@@ -169,7 +173,7 @@ class Meeting:
         missed_one = flags.good & (met.deep > 0.0)  # see `solvers.contacts.penetration`
         lost = missed_one | (landings > float(MOST_LANDINGS)) | (count > float(MOST_TURNS)) | unsound
         unkept = values["unsound"] > float(MOST_UNSOUND)
-        decided = apply("not", _any(shut[n] > 2.5 for n in self.meets.rubbing))
+        decided = apply("not", _any(shut[n] > 2.5 for n in others))
         lost = lost | (values["tried"] > float(MOST_TURNS))
         return Turned(state, ahead, one(turns | (flags.good & waits)), landings, lost, decided, unkept)
 
@@ -195,8 +199,11 @@ class Meeting:
             lasting = select(shut & (x > 0.0), least(lasting, x), lasting)
         return lasting
 
-    def _states(self, still: Flag, strikes: Flag) -> tuple[list[Operand], list[Operand]]:
-        """What contacts are after a good trip, and their speeds; still: it took no time."""
+    def _states(
+        self, still: Flag, strikes: Flag, late: Operand, planned: Operand
+    ) -> tuple[list[Operand], list[Operand]]:
+        """What contacts are after a good trip, and their speeds; still: it took no time; late: time by which an
+        instant may be missed [s]; planned: the step that was to follow [s]."""
         shut, speed = list(self.touch.shut), list(self.touch.speed)
         for n in range(self.meets.n):
             if n not in self.meets.rigid:
@@ -204,9 +211,14 @@ class Meeting:
         ended = _any(
             (self.near[n] & self.shut[n]) | (self.met.spent[self.meets.held.index(n)] > 0.0) for n in self.meets.rigid
         )
+        switched: Flag = False
+        for n in self.meets.switching:
+            turns, shut[n], speed[n] = self._switching(n, still, late, planned)
+            switched = switched | turns
         again = self._again()
         for n in self.meets.rigid:
-            shut[n], speed[n] = self._rigid(n, still, strikes, ended, again)
+            shut[n], speed[n] = self._rigid(n, still, strikes, ended | switched, again)
+            shut[n] = select(still & switched & (shut[n] > 0.5) & (shut[n] < 1.5), DECIDES, shut[n])
         for n in self.meets.rubbing:
             shut[n], speed[n] = self._rubbing(n, still)
         return shut, speed
@@ -291,6 +303,18 @@ class Meeting:
         settled = select(sticks, stuck, moves)
         changes = apply("not", apply("equal", settled, sense))
         return select(still, select(changes, DECIDES, SHUT), select(spent, DECIDES, code)), select(still, settled, way)
+
+    def _switching(
+        self, n: int, still: Flag, late: Operand, planned: Operand
+    ) -> tuple[Flag, Operand, Operand]:  # fmt: skip
+        """Whether an expression switches, as its switching function comes to zero or has jumped beyond it, what it is
+        after a trip, and its side.  Forces that hold contacts shut may jump with it."""
+        k, side, code = self.meets.held.index(n), self.touch.speed[n], self.touch.shut[n]
+        reserve, rate, slight = (self.ends.held[name][k] for name in ("reserve", "pressed", "faint"))
+        jumped = reserve < -(slight + MISSED * late * abs(rate))
+        jumped = jumped | ((reserve <= slight) & (rate * planned < -slight - abs(reserve)))  # it leaves at once
+        turns = select_flag(still, jumped, self.met.spent[k] > 0.0)
+        return turns, select(still, select(jumped, DECIDES, SHUT), code), select(turns, -side, side)
 
     def _beyond(self, n: int) -> Operand:
         """How far the force of a joint that sticks is above its limit, as a share; 0 if it is not."""

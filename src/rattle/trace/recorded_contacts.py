@@ -30,6 +30,7 @@ from rattle.trace.recorded_friction import RecordedFriction
 from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_modes import power
 from rattle.trace.recorded_rigid import RigidContacts, Struck
+from rattle.trace.recorded_switches import RecordedSwitches
 from rattle.value_types import Plain
 
 FIRST_DEPTH = 2.0**-20  # from which that is looked for where a contact turns back [m or rad]
@@ -56,9 +57,12 @@ class Impact(NamedTuple):
 class RecordedContacts:
     """The contacts of a system, n of them, on symbols of one graph."""
 
-    def __init__(self, graph: Graph, system: System, lanes: bool, friction: RecordedFriction | None) -> None:
+    def __init__(
+        self, graph: Graph, system: System, lanes: bool, friction: RecordedFriction | None,
+        switches: RecordedSwitches | None,
+    ) -> None:  # fmt: skip
         """lanes: rigid contacts may stay shut together, with friction; else, for derivatives, one at a time without;
-        friction: that of joints without play, whose modes become inputs.
+        friction: that of joints without play, whose modes become inputs; switches: of expressions, whose sides do.
 
         Raises TraceError for a contact that cannot be recorded so.
         """
@@ -74,13 +78,17 @@ class RecordedContacts:
         alone = self.rigid.sum() == 1 and smooth[int(np.flatnonzero(self.rigid)[0])]  # then all laws are one
         for n in range(len(self.joints)):
             self._require_able(n, values, alone)
-        self.rubbing = friction
+        self.rubbing, self.switches = friction, switches
         rubs = [] if friction is None else friction.rubs
-        self.inputs = len(self.joints) + len(rubs)  # of each of two kinds; joints that rub are after the contacts
+        # inputs of each of two kinds: of contacts, then of joints that rub, then of switches
+        first, last = len(self.joints), len(self.joints) + len(rubs)
+        self.inputs = last + (0 if switches is None else len(switches))
         self.shut = [graph.input() for _ in range(self.inputs)]
         self.speed = [graph.input() for _ in range(self.inputs)]
         if friction is not None:
-            friction.modes = dict(zip(rubs, self.speed[len(self.joints) :], strict=True))
+            friction.modes = dict(zip(rubs, self.speed[first:last], strict=True))
+        if switches is not None:
+            switches.sides = self.speed[last:]
         self.is_shut = [shut > 0.5 for shut in self.shut[: len(self.joints)]]
         if lanes:  # of rigid ones it may be HITS, DECIDES too
             self.is_shut = [flag & (shut < 1.5) for flag, shut in zip(self.is_shut, self.shut, strict=False)]

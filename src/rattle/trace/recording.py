@@ -28,6 +28,7 @@ from rattle.trace.graph import Graph, Symbol, both, select
 from rattle.trace.recorded_contacts import Impact, RecordedContacts
 from rattle.trace.recorded_friction import RecordedFriction
 from rattle.trace.recorded_language import Copies
+from rattle.trace.recorded_switches import RecordedSwitches
 from rattle.trace.recorded_table import recorded_table
 from rattle.trace.symbol_arrays import arrays
 from rattle.value_types import Plain
@@ -66,7 +67,10 @@ class Recorder:
 
         lanes: as these follow them, else as derivatives do.
         """
-        self.contacts = RecordedContacts(self.graph, system, lanes, self.friction)
+        switches = RecordedSwitches(self.graph, system) if lanes and system.switches else None
+        if switches is not None:
+            switches.begin(self._copies)
+        self.contacts = RecordedContacts(self.graph, system, lanes, self.friction, switches)
         self.contacts.begin(self._copies)
         return self.contacts
 

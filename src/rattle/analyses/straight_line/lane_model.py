@@ -305,10 +305,11 @@ class _Met:
         values = [rows[x.place] if isinstance(x, Symbol) and x.op == "input" else _number(late, x) for x in levers]
         table = self.model.system.arrays["contact"]
         width = len(values) // max(1, len(table))
+        switches = 0 if self.model.contacts.are.switches is None else len(self.model.contacts.are.switches)
         entries = [values[n * width : (n + 1) * width] for n in range(len(table))]
         return Meets(
             table, entries, 3 * self.model.system.body_count, touched, midway, struck, self.peaks, self.held,
-            _pulsates(self.model.system.model), self.model.contacts.count - len(table),
+            _pulsates(self.model.system.model), self.model.contacts.count - len(table) - switches, switches,
         )  # fmt: skip
 
 

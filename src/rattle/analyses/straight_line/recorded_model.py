@@ -27,6 +27,7 @@ from rattle.equations.state import state_layout
 from rattle.equations.system import System, compile_system
 from rattle.errors import ModelError, TraceError, suggest
 from rattle.jit import layout as at
+from rattle.language.bytecode import SIDE
 from rattle.language.recorded import Flag, Operand, Recorded, symbol_of
 from rattle.results.columns import columns, width
 from rattle.results.result import UnknownName
@@ -35,6 +36,7 @@ from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph, both, select
 from rattle.trace.recorded_contacts import Impact, RecordedContacts
 from rattle.trace.recorded_rigid import Struck
+from rattle.trace.recorded_switches import Switch
 from rattle.trace.recording import Recorder, Recording
 from rattle.trace.symbol_arrays import Table
 from rattle.value_types import Tree
@@ -61,7 +63,7 @@ class ContactFunctions:
 
     @property
     def count(self) -> int:
-        """Number of contacts, and of joints that rub after them: of inputs of each kind."""
+        """Number of contacts, and of joints that rub and of switches after them: of inputs of each kind."""
         return self.are.inputs
 
 
@@ -70,7 +72,8 @@ class HeldFunctions:
     """Recorded functions of the contacts of a model that end where their force does, and of rigid ones, for lanes;
     lists by contact, in order.  After them stand joints that rub, see `recorded_friction.Joint`: their reserve, rate as
     slip, force as tangent, acceleration as bend, whether others hold them as calm, what may be rounding of the reserve
-    as faint."""
+    as faint.  Then expressions that switch: their switching function as slip, its rate as tangent, both times their
+    side as reserve and as pressed, what may be rounding as faint."""
 
     numbers: list[int]
     pressed: list[Operand]  # force while it is shut; of a compliant one also what it would pull with [N or N m]
@@ -176,7 +179,7 @@ def record_model(
     met = recorder.record_contacts(recorded, lanes) if contacts else None
     recording = Recording(recorded, recorder)
     rate, sound_rate = recording.guarded(lambda: recording.derivative(t, y))
-    touching = _record_contacts(recording, recorder, met, t, y, lanes) if met is not None else None
+    touching = _record_contacts(recording, recorder, met, t, y, rate if lanes else None) if met is not None else None
     closed, sound_closed = recording.guarded(lambda: recording.projection(t, y))
     curves, units, sound_row = record_curves(recording, t, y)
     curves["energy.balance"] = curves["energy.balance"] - graph.input()
@@ -193,14 +196,16 @@ def record_model(
 
 
 def _record_contacts(
-    recording: Recording, recorder: Recorder, met: RecordedContacts, t: Operand, y: np.ndarray, lanes: bool
-) -> ContactFunctions:
-    """Gaps, forces and impacts of contacts."""
+    recording: Recording, recorder: Recorder, met: RecordedContacts, t: Operand, y: np.ndarray,
+    rate: Sequence[Operand] | None,
+) -> ContactFunctions:  # fmt: skip
+    """Gaps, forces and impacts of contacts; rate: dy/dt (ny,) for lanes."""
 
     def measured() -> tuple[SimpleNamespace, dict[int, list[Impact]], HeldFunctions | None]:
         workspace = recording.run(derivative, t, y, np.zeros(len(y), dtype=object))
-        if lanes:
-            return workspace, {}, _held(met, workspace, y)
+        if rate is not None:
+            switches = [] if met.switches is None else met.switches.at([1.0, *rate])
+            return workspace, {}, _held(met, workspace, y, switches)
         return workspace, recorder.impacts(workspace, y), None
 
     (workspace, impacts, held), _ = recording.guarded(measured)
@@ -209,7 +214,7 @@ def _record_contacts(
     return ContactFunctions(met, gap, rate, normal, across, met.lasting(workspace), impacts, held)
 
 
-def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray) -> HeldFunctions:
+def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray, switches: Sequence[Switch]) -> HeldFunctions:
     """Functions of contacts that their forces hold, at the state y, for which the equations of motion stand in m."""
     struck, kinematics, bends = met.struck(m, y), m.contact_kinematics, met.bends(m)
     held = HeldFunctions([], [], [], [], [], [], [], [], struck)
@@ -233,6 +238,15 @@ def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray) -> HeldFunct
         held.tangent.append(joint.force)
         held.bend.append(joint.ahead)
         held.faint.append(joint.slack)
+    for place, switch in enumerate(switches):
+        held.numbers.append(met.inputs - len(switches) + place)
+        held.pressed.append(switch.side * switch.rate)
+        held.reserve.append(switch.side * switch.value)
+        held.slip.append(switch.value)
+        held.calm.append(0.0)
+        held.tangent.append(switch.rate)
+        held.bend.append(0.0)
+        held.faint.append(switch.slight)
     return held
 
 
@@ -366,23 +380,26 @@ def read_at(model: RecordedModel, values: Mapping[str, float]) -> Model:
 def _at(
     model: RecordedModel, functions: tuple[Graph, list[Operand]], t: float, y: np.ndarray, values: Mapping[str, float]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Outputs of functions, and the modes of joints that rub for which they hold."""
+    """Outputs of functions, and the modes of joints that rub and sides of switches for which they hold."""
     graph, outputs = functions
     inputs = model.inputs(t, y, list(values.values()))
-    rubbing = 0
+    others = 0
     if model.contacts is not None:  # where no run is followed, kernels take those for shut in which bodies overlap
         first, count = len(inputs) - 1 - 2 * model.contacts.count, model.contacts.count
-        rubbing = count - len(model.contacts.are)
         are, held = model.contacts.are, model.contacts.held
+        others = count - len(are)
         gaps = lower(model.graph, model.contacts.gap)
         inputs[first : first + len(are)] = gaps[0].evaluate(gaps[1], inputs[:, None])[:, 0] < 0.0
         inputs[first : first + len(are)][are.rigid] = 0.0
-        if count > len(are) and held is not None:  # and joints slip as they move, or stick
-            rates = lower(model.graph, held.slip[len(are) - count :])
-            inputs[first + count + len(are) : first + 2 * count] = np.sign(
-                rates[0].evaluate(rates[1], inputs[:, None])[:, 0]
-            )
-    return graph.evaluate(outputs, inputs[:, None])[:, 0], inputs[len(inputs) - 1 - rubbing : -1]
+        if others and held is not None:  # and joints slip as they move, or stick; switches are on their sides
+            told, symbols = lower(model.graph, [*held.slip[-others:], *held.tangent[-others:]])
+            switches = count - (0 if are.switches is None else len(are.switches))
+            for _ in range(1 if switches == count else 1 + others):  # of some, others are part
+                value, rate = told.evaluate(symbols, inputs[:, None])[:, 0].reshape(2, -1)
+                side = np.where(value != 0.0, value, np.where(rate != 0.0, rate, 1.0))
+                switch = np.arange(len(are), count) >= switches
+                inputs[first + count + len(are) : first + 2 * count] = np.sign(np.where(switch, side, value))
+    return graph.evaluate(outputs, inputs[:, None])[:, 0], inputs[len(inputs) - 1 - others : -1]
 
 
 def _require_recorded(model: RecordedModel, other: System, values: Mapping[str, float], where: str) -> None:
@@ -403,7 +420,10 @@ def _require_equal(system: System, t: float, y: np.ndarray, modes: np.ndarray, o
     rate, row = np.zeros_like(y), np.zeros(width(system))
     workspace = system.plain_workspace()
     if len(modes):
-        workspace.dry_memory[system.arrays["dry"][:, at.DRY_LAW] < 0, at.DRY_MODE] = modes
+        rubs = np.flatnonzero(system.arrays["dry"][:, at.DRY_LAW] < 0)
+        workspace.dry_memory[rubs, at.DRY_MODE] = modes[: len(rubs)]
+        for switch, side in zip(system.switches, modes[len(rubs) :].astype(int), strict=False):
+            workspace.code[switch.row, SIDE] = side
     with np.errstate(all="ignore"):  # what is not finite is said below
         derivative.python(workspace, t, y.copy(), rate)
         record.python(workspace, t, y.copy(), row)

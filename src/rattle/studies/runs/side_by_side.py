@@ -82,6 +82,7 @@ class SideBySide:
     def _recorded(self, beside: float) -> RecordedModel:
         arrays = self.task.mechanism.system.arrays
         touches = len(arrays["contact"]) > 0 or bool((arrays["dry"][:, at.DRY_LAW] < 0).any())
+        touches = touches or bool(self.task.mechanism.system.switches)
         return self.task.mechanism.recorded(list(self.task.names), contacts=touches, beside=beside)
 
     @cached_property
@@ -174,9 +175,9 @@ def _require_lanes(task: Task, method: str) -> None:
         raise TraceError(f"'{task.how.method}' has no straight-line code")
     _require_smooth_joints(task)
     _require_followed(task.mechanism.system, tableau.adaptive)
-    if task.mechanism.system.switches:
+    if task.mechanism.system.switches and not tableau.adaptive:
         switching = ", ".join(sorted({switch.name for switch in task.mechanism.system.switches}))
-        raise TraceError(f"steps must end where expressions switch ({switching})")
+        raise TraceError(f"steps of equal length do not end where expressions switch ({switching})")
 
 
 def _require_smooth_joints(task: Task) -> None:

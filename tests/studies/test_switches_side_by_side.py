@@ -1,0 +1,105 @@
+"""Samples whose loads switch, side by side: steps end where expressions switch, as those of single runs do."""
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from lane_runs import FINE, assert_alike, side_by_side
+
+PIN = ', clearance = 1e-3, contact = { model = "impact", restitution = 0.3 }'
+BUSH = ', clearance = 1e-3, contact = { model = "lankarani-nikravesh", stiffness = 1e8, restitution = 0.5 }'
+
+
+def pendulum(torque, joint="", start="omega = 1"):
+    return rt.loads(f"""
+format = 1
+gravity = [0, -9.81]
+parameters = {{ k = 10.0, later = 0.1, w = 30.0 }}
+ground.points.O = [0, 0]
+tables.ramp = {{ x = [0, 0.05, 0.1, 0.2, 0.4], y = [0, 1, 1, -1, 0], kind = "linear", period = 0.4 }}
+tables.once = {{ x = [-9, 0.03, 0.1, 0.2, 9], y = [0, 1, 1, -1, 0], kind = "linear" }}
+bodies.b = {{ points = {{ C = [0.1, 0] }}, mass = 1, inertia = 0.02 }}
+joints.O = {{ type = "revolute", connect = ["ground.O", "b.C"]{joint} }}
+loads.push = {{ type = "torque", body = "b", torque = "{torque}" }}
+initial = {{ b = {{ angle = 0, {start} }} }}
+""")
+
+
+LOADS = [
+    "k*(1 if t < later else 0)", "k*step(t - later) - k*step(t - later - 1e-4)", "k*step(sin(w*t))", "k*abs(sin(w*t))",
+    "k*max(0, 1 - 3*t)", "k*min(max(5*sin(w*t), -1), 1)", "-0.1*abs(b.omega)*b.omega", "-k*sign(b.angle)",
+    "-k*mod(b.angle, 0.5)", "k*floor(7*t)", "k*ramp(t)", "k*ramp(b.angle)", "k*once(t)",
+    "-k*max(abs(b.omega) - 0.5, 0)*b.omega", "k*(sqrt(t - later) if t > later else 0)",
+    "k*(sin(t)/t if t > 0 else 1)", "k*(1 if b.angle > 0.01 and mod(t, 0.1) < 0.03 else 0)",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("load", LOADS)
+def test_samples_are_what_they_are_alone(load):
+    outputs = ["final(b.angle)", "final(b.omega)", "at(b.angle, 0.21)", "final(energy.work)", "mean(b.omega)"]
+    assert_alike(pendulum(load), {"k": np.array([9.0, 11.0])}, outputs, 0.45, rel=1e-8, abs=1e-9)
+
+
+@pytest.mark.parametrize("joint", [PIN, BUSH])
+@pytest.mark.parametrize("load", ["k*step(t - later)", "k*ramp(t)", "-0.2*k*sign(b.omega) + 2*k*sin(w*t)"])
+def test_beside_contacts(load, joint):
+    """What a load that jumps does to a pin that rests is decided anew."""
+    outputs = ["final(b.angle)", "count(O.contacts)", "time(O.contacts, 4)", "final(energy.dissipated)"]
+    m = pendulum(load, joint)
+    assert_alike(m, {"k": np.array([9.0, 11.0])}, outputs, 0.2, rel=1e-5, abs=1e-7)
+
+
+def test_beside_friction_that_sticks():
+    """A push that begins and ends: held, broken away, and slowed to rest: v = (F - mu m g) 0.1/m, x = v^2 ..."""
+    m = rt.loads("""
+format = 1
+gravity = [0, -9.81]
+parameters = { F = 8.0 }
+ground.points.O = [0, 0]
+bodies.b = { points = { C = [0, 0] }, mass = 1, inertia = 1 }
+[joints.guide]
+type = "prismatic"
+connect = ["ground.O", "b.C"]
+axis = 0
+friction = { model = "coulomb", mu = 0.3 }
+[loads.push]
+type = "force"
+at = "b.C"
+force = ["F if t > 0.1 and t < 0.2 else 0", 0]
+""")
+    force = np.array([2.0, 4.0, 8.0])
+    _, (x, v) = side_by_side(m, {"F": force}, ["final(b.x)", "max(b.vx)"], 1.0, **FINE)
+    brake = 0.3 * 9.81
+    gained = np.maximum(force - brake, 0.0)
+    assert v == pytest.approx(0.1 * gained, abs=1e-9)
+    assert x == pytest.approx(0.005 * gained * (1.0 + gained / brake), abs=1e-9)
+
+
+def test_a_square_wave_whose_period_differs_from_sample_to_sample():
+    """w' = M sign(sin(2 pi t/T))/J without gravity: a triangle of half M T/(2 J)."""
+    m = rt.loads("""
+format = 1
+parameters = { T = 0.1 }
+ground.points.O = [0, 0]
+bodies.b = { points = { C = [0, 0] }, mass = 1, inertia = 2 }
+joints.O = { type = "revolute", connect = ["ground.O", "b.C"] }
+loads.push = { type = "torque", body = "b", torque = "3*sign(sin(2*pi*t/T))" }
+initial = { b = { angle = 0, omega = 0 } }
+""")
+    period = np.array([0.011, 0.037, 0.1, 0.5])
+    found, (most, mean) = side_by_side(m, {"T": period}, ["max(b.omega)", "at(b.omega, 0.25)"], 1.0)
+    assert most == pytest.approx(0.75 * period, rel=1e-9)
+    phase = np.mod(0.25 / period, 1.0)
+    assert mean == pytest.approx(1.5 * period * np.where(phase < 0.5, phase, 1.0 - phase), abs=1e-9)
+    assert found.stats["turns"] >= int((2.0 / period).sum()) - 4
+
+
+def test_what_switches_to_and_fro_stops_as_alone():
+    found = pendulum("-k*sign(b.omega)").many({"k": [9.0, 10.0]}, t_end=0.5, outputs=["final(b.angle)"], threads=1)
+    assert len(found.generic) == 2
+    assert "switches to and fro without end" in found.messages[0]
+
+
+def test_steps_of_equal_length_run_alone():
+    found = pendulum("k*abs(sin(t))").many({"k": [9.0]}, t_end=0.1, outputs=["final(b.angle)"], method="rk4", step=1e-3)
+    assert "steps of equal length do not end where expressions switch" in found.stats["how"]
