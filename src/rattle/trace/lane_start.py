@@ -118,8 +118,11 @@ class Stock:
             self.touch[n] = np.where(hits[n], HITS, np.where(near[n], rests, open_))
             self.touch[all_of + n] = np.where(near[n], np.sign(np.asarray(held[n]["slip"], dtype=float)), 0.0)
             self.still[near[n]] = 1.0
-        at_wall, presses = self._at_walls(meets, rows, self._later(state))
-        at_once = at_wall & presses
+        at_wall, presses, inside = self._at_walls(meets, rows, self._later(state))
+        for k, n in enumerate(meets.held):  # one whose force would pull is left to a run alone
+            if n < count and n not in meets.rigid:
+                inside[n] &= np.asarray(ends.held["pressed"][k] >= 0.0)
+        at_once = (at_wall & presses) | inside
         apart |= (at_wall & ~presses) | (at_once & ~self.still.astype(bool))
         self.touch[:count][at_once] = 1.0
         self.touch[all_of : all_of + count][at_once] = np.maximum(-rows[count : 2 * count], 0.0)[at_once]
@@ -145,11 +148,11 @@ class Stock:
         later[1 : 1 + ny] += LATER * self.ahead * self.rate
         return later
 
-    def _at_walls(self, meets: Meets, rows: np.ndarray, later: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _at_walls(self, meets: Meets, rows: np.ndarray, later: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(n contacts, n) True of compliant ones that start at their walls, inside them by no more than rounding; of
-        those that move into them, or begin to."""
+        those that move into them, or begin to; of those that start farther inside."""
         count, nq = meets.n, meets.nq
-        at_wall, presses, after = *np.zeros((2, count, self.n), dtype=bool), np.zeros_like(rows)
+        at_wall, presses, inside, after = *np.zeros((3, count, self.n), dtype=bool), np.zeros_like(rows)
         meets.touched(later, after)
         slow = AT_WALL * np.abs(self.y[nq : 2 * nq]).max(axis=0)
         for n in range(count):
@@ -157,8 +160,9 @@ class Stock:
                 scale, rate = meets.lever[n][at.GAP_SCALE], rows[count + n]
                 size = later[scale.place] if isinstance(scale, Row) else scale
                 at_wall[n] = (rows[n] <= 0.0) & (rows[n] >= -AT_WALL * size)
+                inside[n] = rows[n] < -AT_WALL * size
                 presses[n] = (rate < -slow) | ((rate <= slow) & (after[count + n] < rate))
-        return at_wall, presses
+        return at_wall, presses, inside
 
     @property
     def evaluations(self) -> int:

@@ -15,16 +15,16 @@ import numpy as np
 
 from rattle.equations import compliant, motion
 from rattle.equations.dry_friction import REST
-from rattle.equations.state import IMPULSE, LOSS, STORED, WORK, account_at, energies_at
+from rattle.equations.state import IMPULSE, LOSS, STORED, WORK, account_at, energies_at, states_at
 from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.jit import families
 from rattle.jit import layout as at
 from rattle.language.recorded import Flag, Operand, Recorded, bare, symbol_of
-from rattle.solvers.contacts.contact_events import push
+from rattle.solvers.contacts.contact_events import GAUSS, WEIGHTS, push
 from rattle.solvers.contacts.gap_search import rate_rounding
 from rattle.solvers.nonsmooth.impact_phases import LZB, NEWTON
-from rattle.trace.graph import Graph, Symbol, both, select
+from rattle.trace.graph import Graph, Symbol, both, select, summed
 from rattle.trace.known_signs import SHALLOW, Depth, Gap, positive
 from rattle.trace.recorded_friction import RecordedFriction
 from rattle.trace.recorded_language import Copies
@@ -38,7 +38,6 @@ ROUNDS, SHARE_OF_DOUBLINGS = 7, 0.5  # of the energy that the depth takes: its f
 APART = 1e-3  # depth with which the laws of an open contact are computed, and left aside [m or rad]
 UNABLE = (
     (at.FILM_LAW, "oil", lambda x: x >= 0), (at.WORN, "wear", bool), (at.TOOTHED, "teeth", bool),
-    (at.STATES, "friction with states", bool),
 )  # fmt: skip
 
 
@@ -101,6 +100,8 @@ class RecordedContacts:
             if has(entry[column]):
                 raise TraceError(f"contacts with {words} (joint {joint}) cannot be straight-line code")
         first, rigid = entry[at.NORMAL_P], self.rigid[n]
+        if entry[at.STATES] and not self.lanes:
+            raise TraceError(f"contacts with friction with states (joint {joint}) cannot be straight-line code")
         if self.lanes and rigid and not alone and _is(values[first + at.RESTITUTION_LAW], LZB):
             raise TraceError(f'impacts (joint {joint}) do not run side by side with restitution_law = "lzb"')
         if entry[at.LEVEL] and not (self.lanes and rigid and _is(values[first + at.MOST_TORQUE], math.inf)):
@@ -144,6 +145,9 @@ class RecordedContacts:
                 if self.rigid[n]:
                     continue
                 shut, before = self.is_shut[n], m.force.copy()
+                states = range(self.table[n, at.FIRST_STATE], self.table[n, at.FIRST_STATE] + self.table[n, at.STATES])
+                for k in states:
+                    m.element_rate[k] = 0.0
                 measured = {column: kinematics[n, column] for column in (at.GAP, at.DGAP, at.SLIP)}
                 for column, value in measured.items():  # of an open contact numbers with which laws do not switch
                     inside = select(value < -SHALLOW, value, -SHALLOW) if column == at.GAP else value
@@ -155,6 +159,8 @@ class RecordedContacts:
                     kinematics[n, column] = value
                 for column in columns:
                     kinematics[n, column] = select(shut, kinematics[n, column], 0.0)
+                for k in states:
+                    m.element_rate[k] = select(shut, m.element_rate[k], 0.0)
                 for place in np.ndindex(m.force.shape):
                     if m.force[place] is not before[place]:
                         m.force[place] = select(shut, m.force[place], before[place])
@@ -189,6 +195,9 @@ class RecordedContacts:
             kept, lost = state[account + STORED], state[account + LOSS]
             state[account + LOSS] = select(self.is_shut[n], lost, lost + kept)
             state[account + STORED] = select(self.is_shut[n], kept, 0.0)
+            first = self._copies.of(states_at.python)(m) + self.table[n, at.FIRST_STATE]
+            for k in range(first, first + self.table[n, at.STATES]):
+                state[k] = select(self.is_shut[n], state[k], 0.0)
         if self.rubbing is not None:
             self.rubbing.rest(m, state)
         return self._rigid[0].struck(m, state) if self._rigid else Struck(list(state), {}, {}, {}, True)
@@ -199,6 +208,21 @@ class RecordedContacts:
         gap = Depth(row[at.GAP].graph, row[at.GAP].place)
         force: Operand = self._copies.of(push.python)(m, n, gap, row[at.DGAP])
         return Symbol(force.graph, force.place) if isinstance(force, Symbol) else force
+
+    def strain(self, m: SimpleNamespace, n: int) -> Operand:
+        """Energy [J] that contact n holds at its depth, as `contact_events.strain_energy`; of rigid ones and of clutches
+        none is asked for."""
+        if self.rigid[n] or self.table[n, at.LEVEL]:
+            return 0.0
+        gap = m.contact_kinematics[n, at.GAP]
+        depth = select(gap < 0.0, -gap, APART)
+        law, p = m.stiffness_table[self.table[n, at.STATIC]], self.table[n, at.STATIC_P]
+        shares = (0.5 * (1.0 + GAUSS)).tolist()
+        total = summed(
+            w * s * _positive_force(law, (positive(depth * (s * s)), m.values, p))
+            for s, w in zip(shares, WEIGHTS.tolist(), strict=True)
+        )
+        return select(gap < 0.0, depth * total, 0.0)
 
     def bends(self, m: SimpleNamespace) -> dict[int, Operand]:
         """g'' of rigid contacts [m/s^2 or rad/s^2] at the accelerations in m."""

@@ -12,7 +12,7 @@ from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.analyses.straight_line.recorded_start import driven_bodies
 from rattle.analyses.straight_line.starts import Starts
 from rattle.description import model as description
-from rattle.equations.state import state_layout
+from rattle.equations.state import STORED, state_layout
 from rattle.equations.system import System
 from rattle.jit.choices import TINY
 from rattle.language.recorded import Operand, symbol_of
@@ -231,12 +231,18 @@ def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, st
     watch = [compile_function(late, part) for part in written[7:]]
     prepare = compile_function(early, prepared)
     energy = compile_function(*lower(graph, [energies[-1]]))
+    strain = compile_function(*lower(graph, met.strain)) if met.stores else None
 
     def begin(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         begun, count = starts.begin(values), values.shape[1]
         fill = filled(count)
         state, first = np.zeros((len(exact.inputs), len(fill))), np.zeros((1, len(fill)))
         state[1 : 1 + ny], state[1 + ny : -1] = begun.y[:, fill], np.vstack([values, begun.constants])[:, fill]
+        if strain is not None:  # what starts inside its wall holds energy
+            stored = np.zeros((len(met.stores), len(fill)))
+            strain(state, stored)
+            state[[1 + place for place in met.stores]] = stored
+            begun.y[met.stores] = stored[:, :count]
         energy(state, first)
         state[-1] = first[0]
         constants = np.zeros((met.inputs + len(prepared), len(fill)))  # at the start all contacts are open
@@ -244,8 +250,8 @@ def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, st
         return begun.y, constants[:, :count], np.isfinite(begun.y).all(axis=0)
 
     first = len(asked.curves)
-    own = state_layout(model.system).own_states
-    controlled = (*range(6 * nb), *range(own.start, own.stop))
+    states = state_layout(model.system).states
+    controlled = (*range(6 * nb), *range(states.start, states.stop))
     return Model(
         ny, met.inputs + len(prepared), len(curves), 6 * nb, controlled, begin, rate, None, row,
         (first, first + 1, first + 2, first + 3, first + 4), watch[0] if watch else None, watched, arrive,
@@ -271,10 +277,14 @@ class _Met:
         self.inputs = 0
         self.peaks: tuple[int, ...] = ()
         self.held: tuple[int, ...] = ()
+        self.strain: list[Operand] = []  # what contacts store at their depths [J], and its places in y
+        self.stores: list[int] = []
         if model.contacts is None:
             return
         functions = model.contacts
         self.inputs = 2 * functions.count
+        layout, self.strain = state_layout(model.system), list(functions.strain)
+        self.stores = [layout.account(n).start + STORED for n in range(len(functions.are))]
         self.levers = [symbol_of(x) for x in model.recorded.arrays["lever"].ravel()]
         self.peaks = tuple(
             sorted({n for reduction in asked.reductions if reduction.kind == "peak" for n in reduction.contacts})

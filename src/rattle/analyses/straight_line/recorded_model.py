@@ -60,6 +60,7 @@ class ContactFunctions:
     lasting: list[Operand]  # how long it will last about, which has just begun [s]; 0: unknown
     impacts: dict[int, list[Impact]]  # of the rigid ones; of one that may last with its restitution, and without
     held: HeldFunctions | None = None  # of lanes
+    strain: Sequence[Operand] = ()  # of lanes: energy [J] of those that are compliant at their depth
 
     @property
     def count(self) -> int:
@@ -201,17 +202,18 @@ def _record_contacts(
 ) -> ContactFunctions:  # fmt: skip
     """Gaps, forces and impacts of contacts; rate: dy/dt (ny,) for lanes."""
 
-    def measured() -> tuple[SimpleNamespace, dict[int, list[Impact]], HeldFunctions | None]:
+    def measured() -> tuple[SimpleNamespace, dict[int, list[Impact]], HeldFunctions | None, list[Operand]]:
         workspace = recording.run(derivative, t, y, np.zeros(len(y), dtype=object))
         if rate is not None:
             switches = [] if met.switches is None else met.switches.at([1.0, *rate])
-            return workspace, {}, _held(met, workspace, y, switches)
-        return workspace, recorder.impacts(workspace, y), None
+            strain = [met.strain(workspace, n) for n in range(len(met))]
+            return workspace, {}, _held(met, workspace, y, switches), strain
+        return workspace, recorder.impacts(workspace, y), None, []
 
-    (workspace, impacts, held), _ = recording.guarded(measured)
+    (workspace, impacts, held, strain), _ = recording.guarded(measured)
     kept = (at.GAP, at.DGAP, at.NORMAL, at.ACROSS)
     gap, rate, normal, across = (list(workspace.contact_kinematics[:, column]) for column in kept)
-    return ContactFunctions(met, gap, rate, normal, across, met.lasting(workspace), impacts, held)
+    return ContactFunctions(met, gap, rate, normal, across, met.lasting(workspace), impacts, held, strain)
 
 
 def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray, switches: Sequence[Switch]) -> HeldFunctions:

@@ -24,7 +24,7 @@ import math
 from rattle.errors import InputError
 from rattle.interfaces.fields import LawValues
 from rattle.interfaces.laws import FrictionLaw
-from rattle.jit.choices import TINY, select
+from rattle.jit.choices import TINY, assume, select
 from rattle.jit.functions import kernel
 from rattle.language.recorded import as_number
 from rattle.registry import Field, kind
@@ -79,17 +79,15 @@ def dahl(u, N, z, p, k, dz):
     """Friction force [N] of `Dahl`, and the rate of its state [m N^(1/2)/s]."""
     dz[0] = 0.0
     mu, sigma, alpha, N = p[k], p[k + 1], p[k + 2], max(N, 0.0)
-    if mu <= 0.0:
+    if not assume(mu > 0.0):
         return 0.0
     root = math.sqrt(N)
     held = math.copysign(sigma * z[0] / mu, u * z[0])  # along the slip; equals root when sliding
-    if abs(held) < root:
-        rate = root * (1.0 - held / root) ** alpha
-    elif held > 0.0:
-        rate = root - held  # N has decreased: relaxes at a rate that does not depend on N
-    else:
-        rate = root * (2.0**alpha - 1.0) - held
-    dz[0] = u * rate
+    share = select(abs(held) < root, 1.0 - held / max(root, TINY), 1.0)
+    bends = root * share**alpha
+    relaxes = root - held  # where N has decreased: at a rate that does not depend on N
+    turns = root * (2.0**alpha - 1.0) - held
+    dz[0] = u * select(abs(held) < root, bends, select(held > 0.0, relaxes, turns))
     return min(max(root * sigma * z[0], -mu * N), mu * N)
 
 
@@ -98,7 +96,7 @@ def lugre(u, N, z, p, k, dz):
     """Friction force [N] of `LuGre`, and the rate of its state [m N^(1/2)/s]."""
     dz[0] = 0.0
     mu, mu_static, sigma, damping, viscosity = p[k], p[k + 1], p[k + 3], p[k + 4], p[k + 5]
-    if mu <= 0.0:
+    if not assume(mu > 0.0):
         return 0.0
     N = max(N, 0.0)
     root = math.sqrt(N)
