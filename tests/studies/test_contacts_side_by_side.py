@@ -344,22 +344,47 @@ def test_restitution_laws_that_run_alone():
     assert not found.messages
 
 
-def test_a_one_way_clutch_takes_and_lets_go():
-    """T on one shaft catches the other one, then turns both: w = 2 + T (t - 2/T)/3."""
-    text = """
+def shafts(clutch, stop="", load="T*cos(2*t)"):
+    return rt.loads(f"""
 format = 1
-parameters.T = 1.0
+parameters = {{ T = 1.0, w = 0.2 }}
 ground.points.O = [0, 0]
-bodies.one = { points = { C = [0, 0] }, mass = 1, inertia = 1 }
-bodies.two = { points = { C = [0, 0] }, mass = 1, inertia = 2 }
-joints.p = { type = "revolute", connect = ["ground.O", "one.C"] }
-joints.q = { type = "revolute", connect = ["ground.O", "two.C"] }
-joints.way = { type = "clutch", connect = ["one", "two"], model = "ideal" }
-loads.push = { type = "torque", body = "one", torque = "T*cos(2*t)" }
-initial = { one = { angle = 0, omega = 0 }, two = { angle = 0, omega = 0.2 } }
-"""
-    outputs = ["final(two.omega)", "final(one.angle)", "max(way.torque)", "count(way.contacts)"]
-    assert_alike(rt.loads(text), {"T": np.array([1.0, 2.0, 4.0])}, outputs, 3.0)
+bodies.one = {{ points = {{ C = [0, 0] }}, mass = 1, inertia = 1 }}
+bodies.two = {{ points = {{ C = [0, 0] }}, mass = 1, inertia = 2 }}
+joints.p = {{ type = "revolute", connect = ["ground.O", "one.C"]{stop} }}
+joints.q = {{ type = "revolute", connect = ["ground.O", "two.C"] }}
+joints.way = {{ type = "clutch", connect = ["one", "two"], {clutch} }}
+loads.push = {{ type = "torque", body = "one", torque = "{load}" }}
+initial = {{ one = {{ angle = 0, omega = 0 }}, two = {{ angle = 0, omega = "w" }} }}
+""")
+
+
+CLUTCHES = [
+    'model = "ideal"', 'model = "viscous", damping = 5', 'model = "viscous", damping = 5, sense = -1',
+    'model = "compliant", stiffness = 300', 'model = "compliant", stiffness = 300, damping = 0.5',
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("clutch", CLUTCHES)
+def test_a_one_way_clutch_takes_and_lets_go(clutch):
+    outputs = ["final(two.omega)", "final(one.angle)", "max(way.torque)", "count(way.contacts)", LOST]
+    assert_alike(shafts(clutch), {"T": np.array([1.0, 2.0, 4.0])}, outputs, 3.0, abs=1e-8)
+    assert_alike(shafts(clutch, load="T*cos(6*t)"), {"w": np.array([-1.0, 0.0, 0.5])}, outputs, 2.0, abs=1e-8)
+
+
+@pytest.mark.parametrize("clutch", CLUTCHES)
+def test_a_clutch_whose_rates_jump(clutch):
+    """One shaft hits stops, which may let the clutch take, or let go."""
+    m = shafts(clutch, ', stop = { min = -0.1, max = 0.1, contact = { model = "impact", restitution = 0.6 } }')
+    outputs = ["final(two.omega)", "final(one.angle)", "count(way.contacts)", "count(p.contacts)"]
+    assert_alike(m, {"T": np.array([2.0, 4.0])}, outputs, 1.5, rel=1e-6, abs=1e-8)
+
+
+def test_a_clutch_that_slips_runs_alone():
+    found = shafts('model = "ideal", max_torque = 3').many({"T": [1.0]}, t_end=1.0, outputs=["final(two.omega)"])
+    assert "clutches with max_torque (joint way) do not run side by side" in found.stats["how"]
+    found = shafts('model = "ideal"').many({"T": [1.0]}, t_end=1.0, outputs=["count(way.impacts)"])
+    assert "only single runs tell impacts of the clutch way" in found.stats["how"]
 
 
 def test_a_start_in_touch_counts_from_what_holds_there():

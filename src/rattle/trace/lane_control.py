@@ -14,7 +14,7 @@ from rattle.solvers.step_size import LEAST
 from rattle.trace.graph import apply, both, select
 from rattle.trace.lane_contacts import Meets, one
 from rattle.trace.lane_methods import PLAN, PLANNED, Recorded, flag, inputs, least
-from rattle.trace.lane_turns import Lane, Meeting
+from rattle.trace.lane_turns import Instant, Lane, Meeting
 from rattle.trace.reductions import Ledger, Step
 
 VERDICT = ("ahead", "accepted")  # see `judge`
@@ -102,7 +102,8 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
     fits, still = accepted, flag(graph, control[-2])
     curves_sound, curves_finite, kept, sound, finite = (flag(graph, x) for x in flags[1:])
     shortened = still | (h <= SHORTENED * stops.instants[-1])
-    meeting = None if meets is None else Meeting(meets, touch, ends, met, struck)
+    planned = control[len(CONTROL) - len(PLAN) + 1]
+    meeting = None if meets is None else Meeting(meets, touch, ends, met, struck, Instant(t_new, still, planned))
     if meeting is not None:
         fits = fits & kept  # stages of a try that goes far beyond a contact say nothing
         accepted = (fits & apply("not", meeting.met.cut > 0.0)) | (still & kept)
@@ -124,7 +125,7 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
     turned = None
     if meeting is not None:
         ahead = select(kept, ahead, least(ahead, LEAST * h))
-        lane = Lane(running, good, fits, still, control[-1], ahead, control[len(CONTROL) - len(PLAN) + 1], kept)
+        lane = Lane(running, good, fits, still, control[-1], ahead, planned, kept)
         turned = meeting.turn(proposed, lane)
         reached = select(turned.lost, float(Status.CONTACTS), reached)
         reached = select(turned.unkept, float(Status.ASSUMPTION), reached)

@@ -127,6 +127,10 @@ class Stock:
         self.touch[:count][at_once] = 1.0
         self.touch[all_of : all_of + count][at_once] = np.maximum(-rows[count : 2 * count], 0.0)[at_once]
         self.still[at_once.any(axis=0)] = 1.0
+        for n in range(count):
+            if meets.table[n, at.LEVEL] and n not in meets.rigid:  # a clutch that takes without an impact
+                self.touch[n], apart[n] = rows[count + n] < 0.0, True
+                self.still[:] = 1.0
         for n in meets.rubbing:
             self.touch[n], self.touch[all_of + n] = DECIDES, np.sign(np.asarray(held[n]["slip"], dtype=float))
             self.still[:] = 1.0

@@ -56,16 +56,26 @@ class Lane(NamedTuple):
     kept: Flag  # its stages are sound
 
 
+class Instant(NamedTuple):
+    """The end of a trip."""
+
+    t: Operand  # [s]
+    still: Flag  # it took no time
+    planned: Operand  # the step that was to follow [s]
+
+
 class Meeting:
     """The contacts of a lane in one trip."""
 
     def __init__(
         self, meets: Meets, touch: Sequence[Operand], ends: Sequence[Operand], met: Sequence[Operand],
-        struck: Sequence[Operand],
+        struck: Sequence[Operand], instant: Instant,
     ) -> None:  # fmt: skip
         self.meets, self.touch, self.ends = meets, Touch(meets, touch), Ends(meets, ends)
         self.met, self.struck = Met(meets, met), Struck(meets, struck)
-        self.near = [x > 0.0 for x in self.met.near]
+        self.near, self.instant = [x > 0.0 for x in self.met.near], instant
+        # time by which an instant may be missed [s]
+        self.late = SHARP * self.touch.lane["hit length"] + IN_TIME * instant.t
         self.shut = [(x > 0.5) & (x < 1.5) for x in self.touch.shut[: meets.n]]
         hits = [self.touch.shut[n] for n in meets.rigid]
         self.hits, self.decides = _any((x > 1.5) & (x < 2.5) for x in hits), _any(x > 2.5 for x in hits)
@@ -80,6 +90,8 @@ class Meeting:
         for n in range(self.meets.n):
             if n not in self.meets.rigid:  # it is shut from the start on
                 begins[n] = begins[n] | (at_start & self.shut[n])
+                if self.meets.table[n, at.LEVEL]:
+                    begins[n] = begins[n] | (self.instant.still & self._takes(n))
         hardest: Operand = 0.0
         for impulse in self.struck.impulse:
             hardest = largest(impulse, hardest)
@@ -88,7 +100,12 @@ class Meeting:
         for n, impulse in zip(self.meets.rigid, self.struck.impulse, strict=True):
             speeds[n] = largest(-self.touch.rate[n], 0.0)
             struck = self.hits & (impulse > NOTICED * hardest) & falls
-            begins[n] = begins[n] | struck if self.meets.table[n, at.LEVEL] else struck
+            if self.meets.table[n, at.LEVEL]:  # it counts if it approaches, or is held from the start on
+                decided = self.struck.shut[self.meets.rigid.index(n)] > 0.5
+                held = at_start & self.decides & decided & (self.touch.lane["tried"] < 0.5)
+                begins[n] = begins[n] | (struck & (speeds[n] > 0.0)) | held
+            else:
+                begins[n] = struck
         return Touches(begins, speeds, self.shut, dict(zip(self.meets.peaks, self.met.peaks, strict=True)))
 
     def _falls(self) -> Flag:
@@ -153,8 +170,7 @@ class Meeting:
             "flown": select(turns, t - lane["turned at"], lane["flown"]),
             "turned at": select(turns, t, lane["turned at"]),
         }  # fmt: skip
-        late = SHARP * lane["hit length"] + IN_TIME * t
-        shut, speed = self._states(flags.good & still, strikes, late, flags.planned)
+        shut, speed = self._states(flags.good & still, strikes)
         others = (*self.meets.rubbing, *self.meets.switching)
         waits = _any(shut[n] > 2.5 for n in (*rigid, *others)) | (still & self.decides)
         state = [
@@ -199,21 +215,20 @@ class Meeting:
             lasting = select(shut & (x > 0.0), least(lasting, x), lasting)
         return lasting
 
-    def _states(
-        self, still: Flag, strikes: Flag, late: Operand, planned: Operand
-    ) -> tuple[list[Operand], list[Operand]]:
-        """What contacts are after a good trip, and their speeds; still: it took no time; late: time by which an
-        instant may be missed [s]; planned: the step that was to follow [s]."""
+    def _states(self, still: Flag, strikes: Flag) -> tuple[list[Operand], list[Operand]]:
+        """What contacts are after a good trip, and their speeds; still: it took no time."""
         shut, speed = list(self.touch.shut), list(self.touch.speed)
         for n in range(self.meets.n):
             if n not in self.meets.rigid:
                 shut[n], speed[n] = self._compliant(n)
+                if self.meets.table[n, at.LEVEL]:
+                    shut[n] = select(still, self._jumped(n), shut[n])
         ended = _any(
             (self.near[n] & self.shut[n]) | (self.met.spent[self.meets.held.index(n)] > 0.0) for n in self.meets.rigid
         )
         switched: Flag = False
         for n in self.meets.switching:
-            turns, shut[n], speed[n] = self._switching(n, still, late, planned)
+            turns, shut[n], speed[n] = self._switching(n, still)
             switched = switched | turns
         again = self._again()
         for n in self.meets.rigid:
@@ -253,6 +268,20 @@ class Meeting:
             after, near, begins = select(again, 1.0, after), near | again, begins | again
         speed = select(begins, largest(-self.ends.rate[n], 0.0), self.touch.speed[n])
         return select(near, after, code), speed
+
+    def _jumped(self, n: int) -> Operand:
+        """What a clutch without impacts is after a trip that took no time: rates may have jumped."""
+        k, code, rate = self.meets.held.index(n), self.touch.shut[n], self.ends.rate[n]
+        torque, change = self.ends.held["pressed"][k], self.ends.held["bend"][k]
+        pulls = (code > 0.5) & (torque < 0.0) & (rate > MISSED * self.late * abs(change)) & self.hits
+        return select(self._takes(n), SHUT, select(pulls, OPEN, code))
+
+    def _takes(self, n: int) -> Flag:
+        """Whether such a clutch takes that did not: its rate is below zero, or will be at once."""
+        rate, change = self.ends.rate[n], self.ends.held["bend"][self.meets.held.index(n)]
+        close = MISSED * self.late * abs(change)
+        falls = (rate < -close) | ((abs(rate) <= close) & (change * self.instant.planned < -close))
+        return (self.touch.shut[n] < 0.5) & falls & (self.hits | (self.instant.t <= 0.0))
 
     def _rigid(
         self, n: int, still: Flag, strikes: Flag, ended: Flag, again: dict[int, Flag]
@@ -304,15 +333,15 @@ class Meeting:
         changes = apply("not", apply("equal", settled, sense))
         return select(still, select(changes, DECIDES, SHUT), select(spent, DECIDES, code)), select(still, settled, way)
 
-    def _switching(
-        self, n: int, still: Flag, late: Operand, planned: Operand
-    ) -> tuple[Flag, Operand, Operand]:  # fmt: skip
+    def _switching(self, n: int, still: Flag) -> tuple[Flag, Operand, Operand]:
         """Whether an expression switches, as its switching function comes to zero or has jumped beyond it, what it is
         after a trip, and its side.  Forces that hold contacts shut may jump with it."""
         k, side, code = self.meets.held.index(n), self.touch.speed[n], self.touch.shut[n]
         reserve, rate, slight = (self.ends.held[name][k] for name in ("reserve", "pressed", "faint"))
-        jumped = reserve < -(slight + MISSED * late * abs(rate))
-        jumped = jumped | ((reserve <= slight) & (rate * planned < -slight - abs(reserve)))  # it leaves at once
+        jumped = reserve < -(slight + MISSED * self.late * abs(rate))
+        jumped = jumped | (
+            (reserve <= slight) & (rate * self.instant.planned < -slight - abs(reserve))
+        )  # it leaves at once
         turns = select_flag(still, jumped, self.met.spent[k] > 0.0)
         return turns, select(still, select(jumped, DECIDES, SHUT), code), select(turns, -side, side)
 

@@ -72,7 +72,8 @@ class RecordedContacts:
         mu = [values[p + at.MU] if rigid else 1.0 for p, rigid in zip(places, self.rigid, strict=True)]
         smooth = [_is(x, 0.0) for x in mu]
         self.lasts = self.rigid & np.array(smooth, dtype=bool)  # rigid ones that may stay shut: those without friction
-        self.by_force = (self.table[:, at.BY_FORCE] == 1) | self.rigid  # they end where their force does, not their gap
+        # they end where their force does, not their gap
+        self.by_force = (self.table[:, at.BY_FORCE] == 1) | self.rigid | (self.table[:, at.LEVEL] == 1)
         self.scale = [bare(x) for x in system.arrays["lever"][:, at.GAP_SCALE]]  # sizes of gaps [m or rad]
         alone = self.rigid.sum() == 1 and smooth[int(np.flatnonzero(self.rigid)[0])]  # then all laws are one
         for n in range(len(self.joints)):
@@ -104,8 +105,10 @@ class RecordedContacts:
             raise TraceError(f"contacts with friction with states (joint {joint}) cannot be straight-line code")
         if self.lanes and rigid and not alone and _is(values[first + at.RESTITUTION_LAW], LZB):
             raise TraceError(f'impacts (joint {joint}) do not run side by side with restitution_law = "lzb"')
-        if entry[at.LEVEL] and not (self.lanes and rigid and _is(values[first + at.MOST_TORQUE], math.inf)):
-            raise TraceError(f"a clutch (joint {joint}) cannot be straight-line code, but an ideal one side by side")
+        if entry[at.LEVEL] and not self.lanes:
+            raise TraceError(f"a clutch (joint {joint}) cannot be straight-line code")
+        if entry[at.LEVEL] and rigid and not _is(values[first + at.MOST_TORQUE], math.inf):
+            raise TraceError(f"clutches with max_torque (joint {joint}) do not run side by side")
 
     def __len__(self) -> int:
         return len(self.joints)
@@ -114,8 +117,8 @@ class RecordedContacts:
         """Set what kernels find in the memory of contacts."""
         workspace.closed_contacts_table = (self._hold,) if self._rigid else ()
         for n in range(min(len(self), len(workspace.contact_memory))):
-            clutch = self.rigid[n] and self.table[n, at.LEVEL]
-            workspace.contact_memory[n, at.CLOSED] = select(self.is_shut[n], at.SHUT, at.OPEN) if clutch else at.SHUT
+            told = select(self.is_shut[n], at.SHUT, at.OPEN)
+            workspace.contact_memory[n, at.CLOSED] = told if self.table[n, at.LEVEL] else at.SHUT
             workspace.contact_memory[n, at.SPEED] = self.speed[n]
 
     def begin(self, copies: Copies) -> None:
@@ -133,6 +136,7 @@ class RecordedContacts:
             )
             for numbers in together if numbers
         ]  # fmt: skip
+        clutch = copies.of(compliant.add_clutch_torque.python)
         copies.replace(compliant.measure.python, self._said(copies.of(compliant.measure.python), "the shape"))
         laws = self._said(copies.of(compliant.add_force_of_laws.python), "the law of force or friction")
 
@@ -144,17 +148,22 @@ class RecordedContacts:
                     kinematics[n, column] = 0.0
                 if self.rigid[n]:
                     continue
-                shut, before = self.is_shut[n], m.force.copy()
+                shut, before, level = self.is_shut[n], m.force.copy(), bool(self.table[n, at.LEVEL])
                 states = range(self.table[n, at.FIRST_STATE], self.table[n, at.FIRST_STATE] + self.table[n, at.STATES])
                 for k in states:
                     m.element_rate[k] = 0.0
                 measured = {column: kinematics[n, column] for column in (at.GAP, at.DGAP, at.SLIP)}
-                for column, value in measured.items():  # of an open contact numbers with which laws do not switch
-                    inside = select(value < -SHALLOW, value, -SHALLOW) if column == at.GAP else value
-                    kinematics[n, column] = select(shut, inside, -APART if column == at.GAP else 0.0)
-                deep = kinematics[n, at.GAP]
-                kinematics[n, at.GAP] = Gap(deep.graph, deep.place)
-                laws(m, n)
+                if level:
+                    told, m.contact_memory[n, at.CLOSED] = m.contact_memory[n, at.CLOSED], at.SHUT
+                    clutch(m, n)
+                    m.contact_memory[n, at.CLOSED] = told
+                else:
+                    for column, value in measured.items():  # of an open contact numbers with which laws do not switch
+                        inside = select(value < -SHALLOW, value, -SHALLOW) if column == at.GAP else value
+                        kinematics[n, column] = select(shut, inside, -APART if column == at.GAP else 0.0)
+                    deep = kinematics[n, at.GAP]
+                    kinematics[n, at.GAP] = Gap(deep.graph, deep.place)
+                    laws(m, n)
                 for column, value in measured.items():
                     kinematics[n, column] = value
                 for column in columns:
@@ -210,8 +219,7 @@ class RecordedContacts:
         return Symbol(force.graph, force.place) if isinstance(force, Symbol) else force
 
     def strain(self, m: SimpleNamespace, n: int) -> Operand:
-        """Energy [J] that contact n holds at its depth, as `contact_events.strain_energy`; of rigid ones and of clutches
-        none is asked for."""
+        """Energy [J] of contact n at its depth, as `contact_events.strain_energy`; 0 of rigid ones and clutches."""
         if self.rigid[n] or self.table[n, at.LEVEL]:
             return 0.0
         gap = m.contact_kinematics[n, at.GAP]
@@ -227,6 +235,12 @@ class RecordedContacts:
     def bends(self, m: SimpleNamespace) -> dict[int, Operand]:
         """g'' of rigid contacts [m/s^2 or rad/s^2] at the accelerations in m."""
         return self._rigid[0].bends(m)[0] if self._rigid else {}
+
+    def parting(self, m: SimpleNamespace, n: int) -> Operand:
+        """Rate of the rate of clutch n [rad/s^2] at the accelerations in m."""
+        a, b = self.table[n, at.A_BODY], self.table[n, at.B_BODY]
+        change: Operand = -m.contact_kinematics[n, at.TURN] * (m.acceleration[b, 2] - m.acceleration[a, 2])
+        return change
 
     def faint(self, m: SimpleNamespace, n: int) -> tuple[Operand, Operand]:
         """g'' of a rigid contact, and its force, that may be rounding; see `RigidContacts`."""
@@ -251,6 +265,8 @@ class RecordedContacts:
         light: Operand = 0.0
         for mass in masses:  # 0 of the ground
             light = mass if _is_zero(light) else light if _is_zero(mass) else select(mass < light, mass, light)
+        if self.table[n, at.LEVEL]:
+            return 0.0
         law, p, speed = m.stiffness_table[m.contact[n, at.STATIC]], m.contact[n, at.STATIC_P], self.speed[n]
         depth: Operand = FIRST_DEPTH
         for _ in range(ROUNDS):

@@ -14,6 +14,8 @@ from rattle.analyses.straight_line.starts import Starts
 from rattle.description import model as description
 from rattle.equations.state import STORED, state_layout
 from rattle.equations.system import System
+from rattle.errors import TraceError
+from rattle.jit import layout as at
 from rattle.jit.choices import TINY
 from rattle.language.recorded import Operand, symbol_of
 from rattle.language.syntax import Apply, Name, Node, Number, names, walk
@@ -91,14 +93,17 @@ class Asked:
 
 
 def contacts_of(model: RecordedModel, reduction: Any) -> tuple[int, ...]:
-    """The contacts that a reduction of contacts asks for."""
+    """The contacts that a reduction of contacts asks for.  Raises TraceError for impacts of clutches."""
     if model.contacts is None:  # none that begin and end, as of a massless link
         return ()
     joint, _, word = reduction.inner.name.rpartition(".")
     are = model.contacts.are
-    return tuple(
+    asked = tuple(
         n for n, owner in enumerate(are.joints) if owner == joint and (word == "contacts" or bool(are.rigid[n]))
     )
+    if word != "contacts" and are.table[list(asked), at.LEVEL].any():
+        raise TraceError(f"only single runs tell impacts of the clutch {joint} from other contacts")
+    return asked
 
 
 def expression(model: RecordedModel, node: Node) -> Operand:

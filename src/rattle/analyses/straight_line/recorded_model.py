@@ -221,15 +221,17 @@ def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray, switches: Se
     struck, kinematics, bends = met.struck(m, y), m.contact_kinematics, met.bends(m)
     held = HeldFunctions([], [], [], [], [], [], [], [], struck)
     for n in np.flatnonzero(met.by_force).tolist():
-        row, rigid = kinematics[n], bool(met.rigid[n])
+        row, rigid, level = kinematics[n], bool(met.rigid[n]), bool(met.table[n, at.LEVEL])
         held.numbers.append(n)
-        held.pressed.append(row[at.NORMAL] if rigid else met.push(m, n))
-        held.reserve.append(_reserve(met, m, n) if rigid else 1.0)
+        held.pressed.append(row[at.NORMAL] if rigid or level else met.push(m, n))
+        held.reserve.append(_reserve(met, m, n) if rigid or level else 1.0)
         held.slip.append(met.calm(m, n, row[at.SLIP]) if rigid else 0.0)
         held.calm.append(met.calm(m, n, row[at.DGAP]) if rigid else 0.0)
         held.tangent.append(row[at.TANGENT] if rigid else 0.0)
         slight, faint = met.faint(m, n) if rigid else (0.0, 0.0)
-        held.bend.append(select(abs(bends[n]) <= slight, 0.0, bends[n]) if rigid else 0.0)
+        held.bend.append(
+            select(abs(bends[n]) <= slight, 0.0, bends[n]) if rigid else met.parting(m, n) if level else 0.0
+        )
         held.faint.append(faint)
     for place, joint in enumerate([] if met.rubbing is None else met.rubbing.at(m)):
         held.numbers.append(len(met) + place)
@@ -390,7 +392,8 @@ def _at(
         first, count = len(inputs) - 1 - 2 * model.contacts.count, model.contacts.count
         are, held = model.contacts.are, model.contacts.held
         others = count - len(are)
-        gaps = lower(model.graph, model.contacts.gap)
+        pairs = zip(model.contacts.gap, model.contacts.rate, are.table[:, at.LEVEL], strict=True)
+        gaps = lower(model.graph, [rate if clutch else gap for gap, rate, clutch in pairs])
         inputs[first : first + len(are)] = gaps[0].evaluate(gaps[1], inputs[:, None])[:, 0] < 0.0
         inputs[first : first + len(are)][are.rigid] = 0.0
         if others and held is not None:  # and joints slip as they move, or stick; switches are on their sides
