@@ -11,6 +11,9 @@ ALIKE := $(addprefix --ignore=tests/, analyses description elements equations ex
 	$(addprefix --ignore=tests/test_, docs.py examples.py examples_of_machines.py random_mechanisms.py words.py)
 SPHINX = $(BIN)/python -m sphinx -q -W --keep-going -b html -d build/doctrees docs build/docs
 
+# tests start Python hundreds of times: what it has compiled is kept
+unexport PYTHONDONTWRITEBYTECODE
+
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help demo test check proofs wheel engine signatures long times docs coverage bench clean

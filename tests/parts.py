@@ -65,7 +65,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         return not browses and sum(seconds.get(name, 0.0) for name in names) <= QUICK
 
     kept = [i for i in items if i.get_closest_marker("long") is None and is_quick(i) == (part == "quick")]
-    config.hook.pytest_deselected(items=[i for i in items if i not in set(kept)])
+    chosen = set(kept)
+    config.hook.pytest_deselected(items=[i for i in items if i not in chosen])
     items[:] = kept
 
 
