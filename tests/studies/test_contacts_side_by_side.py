@@ -362,6 +362,7 @@ initial = {{ one = {{ angle = 0, omega = 0 }}, two = {{ angle = 0, omega = "w" }
 CLUTCHES = [
     'model = "ideal"', 'model = "viscous", damping = 5', 'model = "viscous", damping = 5, sense = -1',
     'model = "compliant", stiffness = 300', 'model = "compliant", stiffness = 300, damping = 0.5',
+    'model = "ratchet", teeth = 24', 'model = "ratchet", teeth = 24, sense = -1',
 ]  # fmt: skip
 
 

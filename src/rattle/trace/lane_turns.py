@@ -100,12 +100,11 @@ class Meeting:
         for n, impulse in zip(self.meets.rigid, self.struck.impulse, strict=True):
             speeds[n] = largest(-self.touch.rate[n], 0.0)
             struck = self.hits & (impulse > NOTICED * hardest) & falls
-            if self.meets.table[n, at.LEVEL]:  # it counts if it approaches, or is held from the start on
+            level, toothed = self.meets.table[n, at.LEVEL], self.meets.table[n, at.TOOTHED]
+            begins[n] = begins[n] | (struck & (speeds[n] > 0.0)) if level else struck
+            if level or toothed:  # a clutch is locked from the start on
                 decided = self.struck.shut[self.meets.rigid.index(n)] > 0.5
-                held = at_start & self.decides & decided & (self.touch.lane["tried"] < 0.5)
-                begins[n] = begins[n] | (struck & (speeds[n] > 0.0)) | held
-            else:
-                begins[n] = struck
+                begins[n] = begins[n] | (at_start & self.decides & decided & (self.touch.lane["tried"] < 0.5))
         return Touches(begins, speeds, self.shut, dict(zip(self.meets.peaks, self.met.peaks, strict=True)))
 
     def _falls(self) -> Flag:

@@ -37,7 +37,7 @@ FIRST_DEPTH = 2.0**-20  # from which that is looked for where a contact turns ba
 ROUNDS, SHARE_OF_DOUBLINGS = 7, 0.5  # of the energy that the depth takes: its force grows about linearly
 APART = 1e-3  # depth with which the laws of an open contact are computed, and left aside [m or rad]
 UNABLE = (
-    (at.FILM_LAW, "oil", lambda x: x >= 0), (at.WORN, "wear", bool), (at.TOOTHED, "teeth", bool),
+    (at.FILM_LAW, "oil", lambda x: x >= 0), (at.WORN, "wear", bool),
 )  # fmt: skip
 
 
@@ -105,7 +105,7 @@ class RecordedContacts:
             raise TraceError(f"contacts with friction with states (joint {joint}) cannot be straight-line code")
         if self.lanes and rigid and not alone and _is(values[first + at.RESTITUTION_LAW], LZB):
             raise TraceError(f'impacts (joint {joint}) do not run side by side with restitution_law = "lzb"')
-        if entry[at.LEVEL] and not self.lanes:
+        if (entry[at.LEVEL] or entry[at.TOOTHED]) and not self.lanes:
             raise TraceError(f"a clutch (joint {joint}) cannot be straight-line code")
         if entry[at.LEVEL] and rigid and not _is(values[first + at.MOST_TORQUE], math.inf):
             raise TraceError(f"clutches with max_torque (joint {joint}) do not run side by side")
@@ -117,8 +117,8 @@ class RecordedContacts:
         """Set what kernels find in the memory of contacts."""
         workspace.closed_contacts_table = (self._hold,) if self._rigid else ()
         for n in range(min(len(self), len(workspace.contact_memory))):
-            told = select(self.is_shut[n], at.SHUT, at.OPEN)
-            workspace.contact_memory[n, at.CLOSED] = told if self.table[n, at.LEVEL] else at.SHUT
+            clutch = self.table[n, at.LEVEL] or self.table[n, at.TOOTHED]  # which tell whether they are
+            workspace.contact_memory[n, at.CLOSED] = select(self.is_shut[n], at.SHUT, at.OPEN) if clutch else at.SHUT
             workspace.contact_memory[n, at.SPEED] = self.speed[n]
 
     def begin(self, copies: Copies) -> None:
@@ -137,7 +137,14 @@ class RecordedContacts:
             for numbers in together if numbers
         ]  # fmt: skip
         clutch = copies.of(compliant.add_clutch_torque.python)
-        copies.replace(compliant.measure.python, self._said(copies.of(compliant.measure.python), "the shape"))
+        measure = self._said(copies.of(compliant.measure.python), "the shape")
+
+        def located(m: SimpleNamespace, n: int, corner: int) -> None:
+            measure(m, n, corner)
+            if self.table[n, at.TOOTHED]:
+                self._seat(m, n)
+
+        copies.replace(compliant.measure.python, located)
         laws = self._said(copies.of(compliant.add_force_of_laws.python), "the law of force or friction")
 
         def add(m: SimpleNamespace) -> None:
@@ -175,6 +182,13 @@ class RecordedContacts:
                         m.force[place] = select(shut, m.force[place], before[place])
 
         copies.replace(compliant.add_contact_forces.python, add)
+
+    def _seat(self, m: SimpleNamespace, n: int) -> None:
+        """Put the pawl of contact n behind its tooth, which is a memory of the kernels."""
+        assert self.switches is not None, "it is recorded for lanes"
+        p = self.table[n, at.SHAPE_P]
+        pitch, gap = m.values[p + at.PITCH], m.contact_kinematics[n, at.GAP]
+        m.contact_kinematics[n, at.GAP] = pitch * self.switches.from_tooth(n, gap / pitch - m.values[p + at.TOOTH])
 
     def _said(self, kernel: Plain, what: str) -> Plain:
         """A kernel of a contact (m, n, ...) that says of which one it cannot be recorded."""

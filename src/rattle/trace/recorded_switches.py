@@ -1,4 +1,4 @@
-"""Expressions that switch in a recorded model: their sides are inputs of the graph, so that every piece is smooth.
+"""Expressions that switch, and pawls, in a recorded model: their sides are inputs of the graph, pieces are smooth.
 
 A switch takes the branch of its side, 1 or -1, whatever its switching function is; a side lasts until that function
 comes to zero.  See `language.bytecode`.
@@ -10,11 +10,15 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from rattle.equations.system import System
 from rattle.errors import TraceError
+from rattle.jit import layout as at
 from rattle.language import arithmetic
 from rattle.language import bytecode as code
 from rattle.language.recorded import Operand
+from rattle.solvers.contacts.pawls import SEATED
 from rattle.trace.derivative import gradient, tangent
 from rattle.trace.graph import Graph, Symbol, apply, select, summed
 from rattle.trace.recorded_language import Copies
@@ -38,15 +42,26 @@ class RecordedSwitches:
 
     def __init__(self, graph: Graph, system: System) -> None:
         """Raises TraceError for too many."""
-        self.graph, self.names = graph, [switch.name for switch in system.switches]
+        self.graph = graph
         self._places = {switch.row: n for n, switch in enumerate(system.switches)}
-        if len(self.names) > MOST:
+        self.pawls = np.flatnonzero(system.arrays["contact"][:, at.TOOTHED] == 1).tolist()  # contacts, after these
+        if len(self) > MOST:
             raise TraceError(f"more than {MOST} expressions switch")
         self.sides: list[Symbol] = []
         self._values: dict[int, Operand] = {}  # switching functions, as last evaluated
 
     def __len__(self) -> int:
-        return len(self.names)
+        return len(self._places) + len(self.pawls)
+
+    def from_tooth(self, contact: int, turned: Operand) -> Operand:
+        """How far the pawl of a contact is from the tooth before it, both in pitches; it drops behind the next one."""
+        n = len(self._places) + self.pawls.index(contact)
+        side, even, odd = self.sides[n], turned - _held(1, turned), turned - _held(-1, turned)
+        value = select(side > 0.0, 1.0 - even, odd - 1.0)
+        past = turned + SEATED  # at the start the side is asked for
+        asked = self._inside(n, past - _held(1, past), past - _held(-1, past))
+        self._values[n] = select(apply("equal", side, 0.0), asked, value)
+        return select(side > 0.0, even, odd)
 
     def begin(self, copies: Copies) -> None:
         """Let programs be recorded; before any is."""
@@ -84,13 +99,13 @@ class RecordedSwitches:
         plus, minus = branch(op, 1, x, y), branch(op, -1, x, y)
         if op in (code.FLOOR, code.MOD):
             z = x if op == code.FLOOR else x / y
-            return self._on(row, self._inside(row, z - _held(1, z), z - _held(-1, z)), plus, minus)
+            return self._on(row, self._inside(self._places[row], z - _held(1, z), z - _held(-1, z)), plus, minus)
         return self._on(row, switching(op, x, y), plus, minus)
 
-    def _inside(self, row: int, even: Operand, odd: Operand) -> Operand:
+    def _inside(self, n: int, even: Operand, odd: Operand) -> Operand:
         """A switching function of what switches at every whole number, from the shares of the spans, even and odd, that
         are nearest: of the sign of `arithmetic.wave`, but smooth beyond the ends of a span too."""
-        return select(self.sides[self._places[row]] > 0.0, even * (1.0 - even), -odd * (1.0 - odd))
+        return select(self.sides[n] > 0.0, even * (1.0 - even), -odd * (1.0 - odd))
 
     def _run_one(self, program: Sequence[Sequence[int]], row: int, x: Operand) -> Operand:
         op = program[row][0]
@@ -113,7 +128,7 @@ class RecordedSwitches:
             return plain
         z = recorded_knots(const, k, x)
         (plus, even), (minus, odd) = (recorded_segment(const, k, _held(side, z), x) for side in (1, -1))
-        return self._on(row, self._inside(row, even, odd), plus, minus)
+        return self._on(row, self._inside(self._places[row], even, odd), plus, minus)
 
     def _run_choice(self, program: Sequence[Sequence[int]], row: int, stack: Sequence[Operand], top: int) -> Operand:
         op, (a, b, yes, no) = program[row][0], stack[top : top + 4]

@@ -67,7 +67,7 @@ class Recorder:
 
         lanes: as these follow them, else as derivatives do.
         """
-        switches = RecordedSwitches(self.graph, system) if lanes and system.switches else None
+        switches = RecordedSwitches(self.graph, system) if lanes else None
         if switches is not None:
             switches.begin(self._copies)
         self.contacts = RecordedContacts(self.graph, system, lanes, self.friction, switches)
