@@ -117,8 +117,10 @@ def test_a_driver_that_holds_a_joint_beyond_its_stop_leaves_no_equilibrium_and_t
 
 
 def test_sensitivities_say_that_stops_are_in_the_way():
-    with pytest.raises(TraceError, match=r"the contacts in cord branches.*without stops \(set joints.cord"):
-        rt.example("step_ladder").sensitivity(["left.angle"], ["l"], [0.0, 0.1])
+    m = rod('{ min = "-30 deg" }', 'friction = { model = "coulomb", mu = 0.1, pin_radius = 0.01 }', angle=0.0)
+    m = m.set({"parameters.m": 1.0, "bodies.rod.mass": "m"})
+    with pytest.raises(TraceError, match=r"dry friction sticks.*without stops \(set joints.hinge.stop to None\)"):
+        m.sensitivity(["rod.angle"], ["m"], [0.0, 0.1])
 
 
 def test_check_lists_stops():

@@ -607,3 +607,49 @@ def test_what_runs_one_by_one_is_said():
     equal = jammed.many({"e": [0.5]}, t_end=1.0, outputs=["final(ball.y)"], method="rk4", step=1e-3)
     assert "steps of equal length do not end at contacts (joint rail)" in equal.stats["how"]
     assert not equal.messages
+
+
+# ---------------------------------------------------------------- ropes, belts, discs
+LAWS_OF_WALLS = [
+    '{ model = "hertz", stiffness = 1e6, exponent = 1.5, damping = 5 }',
+    '{ model = "impact", restitution = 0.5 }',
+    '{ model = "impact", restitution = 0.5, friction = 0.2 }',
+]
+
+
+@pytest.mark.parametrize("contact", LAWS_OF_WALLS[:2])
+def test_a_rope_and_a_least_distance(contact):
+    m = rt.loads(f"""
+format = 1
+gravity = [0, -9.81]
+parameters.v = 2.0
+ground.points.O = [0, 0]
+bodies.b = {{ points = {{ C = [0, 0], P = [0.1, 0.05] }}, mass = 1, inertia = 0.02 }}
+joints.rope = {{ type = "rod", connect = ["ground.O", "b.P"], stop = {{ min = 0.4, max = 1, contact = {contact} }} }}
+initial = {{ b = {{ x = 0.3, y = -0.5, angle = 0.1, vx = "v", vy = 0.5, omega = 1 }} }}
+""")
+    outputs = ["final(b.x)", "final(b.y)", "count(rope.contacts)", "time(rope.contacts, 3)", LOST]
+    assert_alike(m, {"v": np.array([1.0, 2.0, 3.0])}, outputs, 1.2, rel=1e-6, abs=1e-8)
+
+
+@pytest.mark.parametrize("contact", LAWS_OF_WALLS)
+@pytest.mark.parametrize(("shape", "x", "y"), [("radius = 0.2", 0.02, 0.3), ("axis = 0, length = 0.4", 0.1, 0.1)])
+def test_a_disc_falls_on_a_disc_and_on_a_segment_beyond_its_end(contact, shape, x, y):
+    m = rt.loads(f"""
+format = 1
+gravity = [0, -9.81]
+parameters.v = 0.3
+ground.points.O = [0, 0]
+bodies.b = {{ points = {{ C = [0, 0] }}, mass = 1, inertia = 0.001 }}
+joints.on = {{ type = "surface", connect = ["ground.O", "b.C"], {shape}, roller = 0.05, contact = {contact} }}
+initial = {{ b = {{ x = {x}, y = {y}, angle = 0, vx = "v", vy = 0, omega = 1 }} }}
+""")
+    outputs = ["final(b.x)", "final(b.y)", "count(on.contacts)", "time(on.contacts, 2)", LOST]
+    assert_alike(m, {"v": np.array([0.1, 0.3, 0.5])}, outputs, 0.6, rel=1e-6, abs=1e-8)
+
+
+def test_the_strands_of_a_belt_pull_and_hang():
+    m = rt.example("belt_drive")
+    outputs = ["final(wheel.omega)", "max(belt.tight)", "count(belt.contacts)", "time(belt.contacts, 3)"]
+    for name in ("M", "R_1", "T_0"):
+        assert_alike(m, {name: m.parameters[name] * np.array([0.99, 1.0])}, outputs, 0.3, rel=1e-6, rtol=1e-9)

@@ -20,7 +20,7 @@ import math
 from typing import NamedTuple
 
 from rattle.jit import layout as at
-from rattle.jit.choices import assume
+from rattle.jit.choices import assume, select
 from rattle.jit.functions import compiled
 from rattle.jit.geometry import COINCIDENT, ends
 from rattle.language.recorded import acos, sqrt
@@ -56,7 +56,7 @@ def bow_of(l: float, s: float) -> float:
 @compiled
 def turned_by(wheels, s, from_start, psi, dx, dy):
     """X [m]; wheels: a phi_A + b phi_B - c [m], s: S [m], from_start > 0: the direction of d is next to psi [rad]."""
-    near = psi if from_start > 0.0 else wheels / s
+    near = select(from_start > 0.0, psi, wheels / select(s == 0.0, 1.0, s))
     cos, sin = math.cos(near), math.sin(near)
     return wheels - s * (near + math.atan2(cos * dy - sin * dx, cos * dx + sin * dy))
 

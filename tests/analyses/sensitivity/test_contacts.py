@@ -194,6 +194,26 @@ def test_gears_that_knock_have_the_slopes_of_runs_beside_theirs():
             assert d[curve, name] == pytest.approx(wanted, rel=1e-5, abs=1e-6)
 
 
+@pytest.mark.parametrize("contact", [
+    '{ model = "lankarani-nikravesh", stiffness = 1e5, exponent = 1.5, restitution = 0.5 }',
+    '{ model = "impact", restitution = 0.5 }',
+])  # fmt: skip
+def test_a_rope_that_becomes_taut_has_the_slopes_of_runs_beside_it(contact):
+    m = rt.loads(f"""
+format = 1
+gravity = [0, -9.81]
+parameters = {{ L = 1.0, v = 2.0 }}
+ground.points.O = [0, 0]
+bodies.b = {{ points = {{ C = [0, 0], P = [0.1, 0.05] }}, mass = 1, inertia = 0.02 }}
+joints.rope = {{ type = "rod", connect = ["ground.O", "b.P"], stop = {{ max = "L", contact = {contact} }} }}
+initial = {{ b = {{ x = 0.3, y = -0.5, angle = 0.1, vx = "v", vy = 0.5, omega = 1 }} }}
+""")
+    t = [0.0, 0.3, 0.6]
+    found = slopes(m, ["b.x", "b.angle"], ["L", "v"], t)
+    for (of, to), slope in found.items():
+        assert slope == pytest.approx(differences(m, to, [of], t)[of], rel=1e-5, abs=1e-7), (of, to)
+
+
 def test_a_force_that_is_largest_at_once_moves_with_the_begin():
     m = rt.loads(ball('{ model = "hertz", stiffness = "k", exponent = 1, damping = 1500 }'))
     d = slopes(m, ["peak(rail.contacts, 1)"], ["h", "k"], [0.0, 0.5])

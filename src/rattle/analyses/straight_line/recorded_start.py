@@ -23,6 +23,7 @@ from rattle.analyses.assembly.start_values import KEYS, given_values
 from rattle.description.model import Driver, Joint, Model, Point
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import constraints, drive, place
+from rattle.equations.placement import point_at
 from rattle.equations.system import System, compile_system, is_link
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
@@ -94,16 +95,25 @@ def _constants(recorded: System, recorder: Recorder, q: np.ndarray) -> list[Oper
     counting = constants_of(recorded.model)
     if not counting:
         return []
-    zero = compile_system(with_constants(recorded.model, dict.fromkeys(counting, 0.0)))
-    rows = [n for each in counting_rows(zero).values() for n in each]
+    model = with_constants(recorded.model, dict.fromkeys(counting, 0.0))
+    rigid = {name: replace(x, contact=None) if x.from_start else x for name, x in model.joints.items()}
+    zero = compile_system(replace(model, joints=rigid))  # with the rows that contacts stand for
+    where = recorder.recorded(point_at)
 
-    def residuals() -> list[Operand]:
+    def constants() -> list[Operand]:
         closing = Recording(zero, recorder).closing(0.0)
         closing.place(q, np.zeros(len(q), dtype=object))
-        return [closing.workspace.rows[n, at.RES] for n in rows]
+        values: list[Operand] = []
+        for name, rows in counting_rows(zero).items():
+            left = tuple(closing.workspace.rows[n, at.RES] for n in rows)
+            if name in rigid:
+                (ax, ay), (bx, by) = where(zero, q, rigid[name].a), where(zero, q, rigid[name].b)
+                left = recorder.recorded(rigid[name].leaf.start_constants)(left, (bx - ax, by - ay))
+            values += left
+        return values
 
-    constants, sound = Recording(zero, recorder).guarded(residuals)
-    return [*constants, sound]
+    found, sound = Recording(zero, recorder).guarded(constants)
+    return [*found, sound]
 
 
 def driven_bodies(system: System, start: Assembled) -> set[str]:

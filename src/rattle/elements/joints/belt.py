@@ -23,6 +23,7 @@ from rattle.elements.wrapped import SMALL, turned_by, write_turning
 from rattle.interfaces.fields import Fields, pair
 from rattle.interfaces.joints import Fit, Grip, JointKind, Strand
 from rattle.jit import layout as at
+from rattle.jit.choices import select
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import ends
 from rattle.registry import Field, kind
@@ -37,7 +38,7 @@ def belt(body, a, b, p, k, row, rows):
     ra, rb = p[k + 4], p[k + 5] * (2.0 * p[k + 6] - 1.0)
     s = ra + rb
     wheels = ra * body[a, at.PHI] + rb * body[b, at.PHI] - p[k + 12]
-    near = 1.0 if abs(s) < SMALL * (ra + abs(rb)) else p[k + 15]
+    near = select(abs(s) < SMALL * (ra + abs(rb)), 1.0, p[k + 15])
     write_turning(body, a, b, p, k, ra, rb, turned_by(wheels, s, near, p[k + 14], dx, dy), row, rows)
 
 

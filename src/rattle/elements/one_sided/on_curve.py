@@ -26,6 +26,7 @@ from rattle.elements.rolling import ROLLER, roller_at
 from rattle.interfaces.contacts import OneSidedKind
 from rattle.interfaces.fields import Fields, function
 from rattle.jit import layout as at
+from rattle.jit.choices import select
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import COINCIDENT, ends
 from rattle.language.local_jet import function_jet
@@ -65,8 +66,8 @@ def point_above(body, a, b, p, k, row, kinematics):
     f, df, ddf = function_jet(p, k + 4, math.atan2(cos * dy - sin * dx, cos * dx + sin * dy))
     d = math.sqrt(dx * dx + dy * dy)
     apart = d > COINCIDENT
-    inv = 1.0 / d if apart else 0.0
-    ex, ey = (dx * inv, dy * inv) if apart else (1.0, 0.0)
+    inv = select(apart, 1.0 / max(d, COINCIDENT), 0.0)
+    ex, ey = select(apart, dx * inv, 1.0), dy * inv
     u = df * inv
     s = 1.0 / math.sqrt(1.0 + u * u)
     gx, gy = ex + u * ey, ey - u * ex

@@ -20,6 +20,7 @@ from rattle.elements.one_sided.holding import Vector, around_disc
 from rattle.interfaces.contacts import Held
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
+from rattle.jit.choices import select
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import COINCIDENT
 from rattle.language.local_function import LocalFunction
@@ -36,7 +37,7 @@ def write_round(body, a, b, p, k, corner, side, row, kinematics):
     sax, say, sbx, sby, dx, dy = between(body, a, b, p, k, k + CORNERS + 2 * corner)
     far, roller = math.sqrt(dx * dx + dy * dy), p[k + ROLLER]
     bent = -side / max(far, COINCIDENT)
-    nx, ny = (bent * dx, bent * dy) if far > COINCIDENT else (-side, 0.0)
+    nx, ny = select(far > COINCIDENT, bent * dx, -side), select(far > COINCIDENT, bent * dy, 0.0)
     gap = side * (far - p[k + RADIUS]) - roller
     return write_disc(body, a, b, True, sax + dx, say + dy, sbx, sby, nx, ny, gap, roller, bent, row, kinematics)
 

@@ -28,6 +28,7 @@ from rattle.elements.one_sided.holding import Vector, along_line, around_disc
 from rattle.interfaces.contacts import Held
 from rattle.interfaces.fields import Fields
 from rattle.jit import layout as at
+from rattle.jit.choices import select
 from rattle.jit.functions import compiled, kernel
 from rattle.jit.geometry import COINCIDENT, turn_x, turn_y
 from rattle.language.local_function import LocalFunction
@@ -43,7 +44,8 @@ NEAREST = 1e-3  # share of a segment as near as which its end turns the directio
 @compiled
 def over_end(x, half):
     """How far x is beyond the nearer end of the segment [m], and on which side: 1 or -1."""
-    return (x - half, 1.0) if x >= 0.0 else (-x - half, -1.0)
+    side = select(x >= 0.0, 1.0, -1.0)
+    return side * x - half, side
 
 
 @kernel("clearance")
@@ -60,9 +62,10 @@ def on_segment(body, a, b, p, k, corner, row, kinematics):
     x = side * max(over, 0.0)
     far = math.sqrt(x * x + y * y)
     apart = far > COINCIDENT
-    x, y = (x / far, y / far) if apart else (0.0, 1.0)
+    inv = select(apart, 1.0 / max(far, COINCIDENT), 0.0)
+    x, y = x * inv, select(apart, y * inv, 1.0)
     nx, ny = -x * ux + y * uy, -x * uy - y * ux
-    bent = -1.0 / far if over > 0.0 and apart else 0.0
+    bent = select(over > 0.0, -inv, 0.0)
     gap, roller = far - p[k + ROLLER], p[k + ROLLER]
     write_disc(body, a, b, True, sax + dx, say + dy, sbx, sby, nx, ny, gap, roller, bent, row, kinematics)
 

@@ -21,6 +21,7 @@ from collections.abc import Sequence
 from rattle.elements.stops import LARGEST, LEAST
 from rattle.interfaces.contacts import StopKind
 from rattle.jit import layout as at
+from rattle.jit.choices import select
 from rattle.jit.functions import kernel
 from rattle.jit.geometry import COINCIDENT, ends
 from rattle.registry import Field, kind
@@ -32,8 +33,9 @@ def stop_distance(body, a, b, p, k, corner, row, kinematics):
     sax, say, sbx, sby, dx, dy, ddx, ddy = ends(body, a, b, p, k)
     wa, wb = body[a, at.W], body[b, at.W]
     length = math.sqrt(dx * dx + dy * dy)
-    inv = 1.0 / length if length > COINCIDENT else 0.0  # coincident points have no direction: any one does
-    ux = dx * inv if length > COINCIDENT else 1.0
+    apart = length > COINCIDENT
+    inv = select(apart, 1.0 / max(length, COINCIDENT), 0.0)  # coincident points have no direction: any one does
+    ux = select(apart, dx * inv, 1.0)
     uy = dy * inv
     across = ux * ddy - uy * ddx
     side = -1.0 if corner == 0 else 1.0
