@@ -4,6 +4,7 @@ example that has some."""
 from __future__ import annotations
 
 import time
+from unittest import mock
 
 import numpy as np
 
@@ -11,11 +12,14 @@ import rattle as rt
 from measure import Row
 from rattle.results.columns import geometry
 from rattle.results.reductions import meetings
+from rattle.trace import llvm
 
 AIMS = {"slider_crank_play": "1.6 ms", "fourbar_onesided": "0.1"}  # with AVX-512; a tenth of a run alone
 MOST = 0.5  # [s] of a run
 FEW, MANY = 64, 2112  # the difference of both is what samples take, without recording and compiling
 ALONE = 4  # runs
+LONG, TURNS = 20_000, 0.024  # samples and duration [s] by which threads and vectors are compared
+AVX2 = "znver3"  # a processor without AVX-512
 
 
 def rows(repeats: int) -> list[Row]:
@@ -26,7 +30,30 @@ def rows(repeats: int) -> list[Row]:
         met = len(mechanism.system.arrays["contact"]) or mechanism.system.rough_joints
         if met and mechanism.model.parameters:
             answers.append(row(name, mechanism, repeats))
-    return answers
+    return [*answers, *together()]
+
+
+def together() -> list[Row]:
+    """Wall time of many samples on two threads by that on one, and with four samples in a vector, as AVX2 has them."""
+    m = rt.example("slider_crank_play")
+
+    def seconds(threads: int) -> float:
+        samples = {"c": m.parameters["c"] * np.linspace(0.9, 1.1, LONG)}
+        m.many({"c": samples["c"][:FEW]}, ["count(B.contacts)"], TURNS, threads=threads)  # compiled
+        began = time.perf_counter()
+        found = m.many(samples, ["count(B.contacts)"], TURNS, threads=threads)
+        assert not len(found.generic)
+        return time.perf_counter() - began
+
+    two, one = seconds(2), seconds(1)
+    _, features = llvm.host()
+    narrow = ",".join(f"-{x[1:]}" if x[1:].startswith("avx512") else x for x in features.split(","))
+    with mock.patch.object(llvm, "host", return_value=(AVX2, narrow)):
+        four = seconds(1)
+    return [
+        Row(f"{LONG} samples of slider_crank_play, 2 threads", two, "one thread", one, "0.55"),
+        Row("sample of slider_crank_play, vectors of four", four / LONG, "of eight", one / LONG, "2.5 ms"),
+    ]
 
 
 def row(name: str, m: rt.Mechanism, repeats: int) -> Row:

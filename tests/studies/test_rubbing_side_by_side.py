@@ -300,6 +300,24 @@ def test_a_sample_has_the_same_bits_in_any_company():
         assert np.array_equal(whole[:, which], run(which, threads))
 
 
+@pytest.mark.parametrize("law", ['"lugre", sigma0 = 1e4', '"dahl", sigma = 1e4'])
+def test_bristles_of_joints_without_play(law):
+    friction = f'friction = {{ model = {law}, mu = "mu", pin_radius = 0.02 }}'
+    m = rt.loads(f"""
+format = 1
+gravity = [0, -9.81]
+parameters.mu = 0.3
+ground.points.O = [0, 0]
+bodies.b = {{ points = {{ O = [-0.25, 0], E = [0.25, 0] }}, mass = 1, inertia = 0.02 }}
+bodies.c = {{ points = {{ E = [-0.2, 0] }}, mass = 0.5, inertia = 0.01 }}
+joints.O = {{ type = "revolute", connect = ["ground.O", "b.O"], {friction} }}
+joints.E = {{ type = "revolute", connect = ["b.E", "c.E"], {friction} }}
+initial = {{ b = {{ angle = 0, omega = 0 }}, c = {{ angle = -1, omega = 0 }} }}
+""")
+    outputs = ["final(b.angle)", "final(c.omega)", "final(energy.dissipated)"]
+    assert_alike(m, {"mu": np.array([0.1, 0.5])}, outputs, 0.5, rel=1e-6, rtol=1e-9)
+
+
 def test_friction_beside_impacts_runs_one_by_one():
     rigid = slider_crank(COULOMB, pin='clearance = 5e-4, contact = { model = "impact", restitution = 0.5 }')
     found = rt.loads(rigid).many({"mu": [0.1]}, t_end=0.002, outputs=["final(slider.x)"])

@@ -67,7 +67,8 @@ class RecordedFriction:
         if len(self.table) > MOST:
             raise TraceError(f"more than {MOST} joints with friction ({joints}) cannot be straight-line code")
         for joint, entry in zip(self.joints, self.table, strict=True):
-            what = "with states" if entry[at.DRY_STATES] else "of discs" if entry[at.DRY_FORM] == at.DRY_ROLLER else ""
+            states = bool(entry[at.DRY_STATES]) and not lanes
+            what = "with states" if states else "of discs" if entry[at.DRY_FORM] == at.DRY_ROLLER else ""
             if what:
                 raise TraceError(f"friction {what} (joint {joint}) cannot be straight-line code")
         if (contact[:, at.IMPACT] == 1).any():

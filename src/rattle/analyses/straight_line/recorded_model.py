@@ -178,6 +178,8 @@ def record_model(
     _require_known_states(recorded)
     recorder.record_friction(recorded, lanes)
     met = recorder.record_contacts(recorded, lanes) if contacts else None
+    if met is not None and not met.inputs:  # nothing begins, ends, or switches
+        met = None
     recording = Recording(recorded, recorder)
     rate, sound_rate = recording.guarded(lambda: recording.derivative(t, y))
     touching = _record_contacts(recording, recorder, met, t, y, rate if lanes else None) if met is not None else None

@@ -80,9 +80,10 @@ class SideBySide:
         self.program = _program(self.model, self.asked, task, self._method, self._span)
 
     def _recorded(self, beside: float) -> RecordedModel:
-        arrays = self.task.mechanism.system.arrays
-        touches = len(arrays["contact"]) > 0 or bool((arrays["dry"][:, at.DRY_LAW] < 0).any())
-        touches = touches or bool(self.task.mechanism.system.switches)
+        system = self.task.mechanism.system
+        contact, dry = system.arrays["contact"], system.arrays["dry"]
+        rubs = (dry[:, at.DRY_LAW] < 0) | (dry[:, at.DRY_STATES] > 0)
+        touches = len(contact) > 0 or bool(rubs.any()) or bool(system.switches)
         return self.task.mechanism.recorded(list(self.task.names), contacts=touches, beside=beside)
 
     @cached_property
