@@ -136,52 +136,54 @@ class RecordedContacts:
             )
             for numbers in together if numbers
         ]  # fmt: skip
-        clutch = copies.of(compliant.add_clutch_torque.python)
-        measure = self._said(copies.of(compliant.measure.python), "the shape")
+        self._clutch = copies.of(compliant.add_clutch_torque.python)
+        self._laws = self._said(copies.of(compliant.add_force_of_laws.python), "the law of force or friction")
+        self._measure = self._said(copies.of(compliant.measure.python), "the shape")
+        copies.replace(compliant.measure.python, self._located)
+        copies.replace(compliant.add_contact_forces.python, self._add)
 
-        def located(m: SimpleNamespace, n: int, corner: int) -> None:
-            measure(m, n, corner)
-            if self.table[n, at.TOOTHED]:
-                self._seat(m, n)
+    def _located(self, m: SimpleNamespace, n: int, corner: int) -> None:
+        """Stands for `compliant.measure`."""
+        self._measure(m, n, corner)
+        if self.table[n, at.TOOTHED]:
+            self._seat(m, n)
 
-        copies.replace(compliant.measure.python, located)
-        laws = self._said(copies.of(compliant.add_force_of_laws.python), "the law of force or friction")
+    def _add(self, m: SimpleNamespace) -> None:
+        """Stands for `compliant.add_contact_forces`."""
+        for n in range(len(self)):
+            for column in range(at.NORMAL, at.STORE + 1):
+                m.contact_kinematics[n, column] = 0.0
+            if not self.rigid[n]:
+                self._add_compliant(m, n)
 
-        def add(m: SimpleNamespace) -> None:
-            kinematics = m.contact_kinematics
-            columns = range(at.NORMAL, at.STORE + 1)
-            for n in range(len(self)):
-                for column in columns:
-                    kinematics[n, column] = 0.0
-                if self.rigid[n]:
-                    continue
-                shut, before, level = self.is_shut[n], m.force.copy(), bool(self.table[n, at.LEVEL])
-                states = range(self.table[n, at.FIRST_STATE], self.table[n, at.FIRST_STATE] + self.table[n, at.STATES])
-                for k in states:
-                    m.element_rate[k] = 0.0
-                measured = {column: kinematics[n, column] for column in (at.GAP, at.DGAP, at.SLIP)}
-                if level:
-                    told, m.contact_memory[n, at.CLOSED] = m.contact_memory[n, at.CLOSED], at.SHUT
-                    clutch(m, n)
-                    m.contact_memory[n, at.CLOSED] = told
-                else:
-                    for column, value in measured.items():  # of an open contact numbers with which laws do not switch
-                        inside = select(value < -SHALLOW, value, -SHALLOW) if column == at.GAP else value
-                        kinematics[n, column] = select(shut, inside, -APART if column == at.GAP else 0.0)
-                    deep = kinematics[n, at.GAP]
-                    kinematics[n, at.GAP] = Gap(deep.graph, deep.place)
-                    laws(m, n)
-                for column, value in measured.items():
-                    kinematics[n, column] = value
-                for column in columns:
-                    kinematics[n, column] = select(shut, kinematics[n, column], 0.0)
-                for k in states:
-                    m.element_rate[k] = select(shut, m.element_rate[k], 0.0)
-                for place in np.ndindex(m.force.shape):
-                    if m.force[place] is not before[place]:
-                        m.force[place] = select(shut, m.force[place], before[place])
-
-        copies.replace(compliant.add_contact_forces.python, add)
+    def _add_compliant(self, m: SimpleNamespace, n: int) -> None:
+        """Add the force of contact n where it is shut, with the rates of its states."""
+        kinematics, shut, before = m.contact_kinematics, self.is_shut[n], m.force.copy()
+        first = self.table[n, at.FIRST_STATE]
+        states = range(first, first + self.table[n, at.STATES])
+        for state in states:
+            m.element_rate[state] = 0.0
+        if self.table[n, at.LEVEL]:
+            told, m.contact_memory[n, at.CLOSED] = m.contact_memory[n, at.CLOSED], at.SHUT
+            self._clutch(m, n)
+            m.contact_memory[n, at.CLOSED] = told
+        else:
+            measured = {column: kinematics[n, column] for column in (at.GAP, at.DGAP, at.SLIP)}
+            for column, value in measured.items():  # of an open contact numbers with which laws do not switch
+                inside = select(value < -SHALLOW, value, -SHALLOW) if column == at.GAP else value
+                kinematics[n, column] = select(shut, inside, -APART if column == at.GAP else 0.0)
+            deep = kinematics[n, at.GAP]
+            kinematics[n, at.GAP] = Gap(deep.graph, deep.place)
+            self._laws(m, n)
+            for column, value in measured.items():
+                kinematics[n, column] = value
+        for place in range(at.NORMAL, at.STORE + 1):
+            kinematics[n, place] = select(shut, kinematics[n, place], 0.0)
+        for state in states:
+            m.element_rate[state] = select(shut, m.element_rate[state], 0.0)
+        for row in np.ndindex(m.force.shape):
+            if m.force[row] is not before[row]:
+                m.force[row] = select(shut, m.force[row], before[row])
 
     def _seat(self, m: SimpleNamespace, n: int) -> None:
         """Put the pawl of contact n behind its tooth, which is a memory of the kernels."""
