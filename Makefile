@@ -7,7 +7,8 @@ WHEEL := $(VENV)-wheel
 # tests of rooms that have kernels; the others would run the same Python twice
 KERNELS := $(addprefix tests/, analyses elements equations jit language solvers)
 # rooms whose packages the others meet too, which show what is too old
-ALIKE := $(addprefix --ignore=tests/, analyses description elements equations exchange foreign language sketch solvers) \
+ALIKE := $(addprefix --ignore=tests/, analyses description durability elements equations exchange foreign heat language \
+	pages sketch solvers strength) \
 	$(addprefix --ignore=tests/test_, docs.py examples.py examples_of_machines.py random_mechanisms.py words.py)
 SPHINX = $(BIN)/python -m sphinx -q -W --keep-going -b html -d build/doctrees docs build/docs
 
