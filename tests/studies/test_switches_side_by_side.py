@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from balls import ball
 from lane_runs import FINE, assert_alike, side_by_side
 
 PIN = ', clearance = 1e-3, contact = { model = "impact", restitution = 0.3 }'
@@ -92,6 +93,14 @@ initial = { b = { angle = 0, omega = 0 } }
     phase = np.mod(0.25 / period, 1.0)
     assert mean == pytest.approx(1.5 * period * np.where(phase < 0.5, phase, 1.0 - phase), abs=1e-9)
     assert found.stats["turns"] >= int((2.0 / period).sum()) - 4
+
+
+@pytest.mark.parametrize("load", ["-lift*abs(ball.vy)*ball.vy", "lift*step(ball.y)", "lift*max(-ball.y, 0)"])
+def test_an_impact_that_turns_a_switch_is_counted(load):
+    push = f'loads.push = {{ type = "force", at = "ball.C", force = [0, "{load}"] }}'
+    m = rt.loads(ball(h=0.1, more=push)).set(lift=0.3)
+    outputs = ["count(rail.contacts)", "time(rail.contacts, 2)", "speed(rail.contacts, 2)", "max(ball.vy)"]
+    assert_alike(m, {"e": np.array([0.8, 0.5, 0.0])}, outputs, 0.8, rel=1e-5, abs=1e-7)
 
 
 def test_what_switches_to_and_fro_stops_as_alone():

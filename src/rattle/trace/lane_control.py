@@ -144,7 +144,9 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         plan[-2], plan[-1], taken = turned.still, turned.landing, good & apply("not", still)
     controlled = [going, select(running, reached, status), number, steps + one(taken), tries + one(running), *plan]
     counts = good if turned is None else good & (turned.decided | apply("not", still))  # no mode that is only tried
-    last_curves, rows = _kept(good, after[-len(curves) :], curves), _kept(counts, rows, held)
+    last_curves = _kept(good, after[-len(curves) :], curves)
+    counting = ledger.counting  # contacts begin whatever follows
+    rows = [select(good if k in counting else counts, a, b) for k, (a, b) in enumerate(zip(rows, held, strict=True))]
     return graph, [good, taken & asks, *last_curves, *(turned.touch if turned else ()), *rows, *controlled]
 
 

@@ -14,16 +14,19 @@ from rattle.trace.lane_contacts import COUNTED, LANE, Ends, Meets, Met, Struck, 
 from rattle.trace.lane_gaps import IN_TIME, SHARP
 from rattle.trace.lane_methods import largest, least
 from rattle.trace.lane_polynomials import FAR, LITTLE
+from rattle.trace.recorded_contacts import PRESSED
 from rattle.trace.recorded_friction import FIRM, beyond
 from rattle.trace.recorded_rigid import DECIDES, HITS, OPEN, SHUT
 from rattle.trace.reductions import Touches
 
 LEAVES = 2.0  # speed of a rigid contact whose force has just ended
 RELEASED = 2.0  # of a compliant contact: without force inside its wall
+AGAIN = 1.25  # of one that was: it has just pushed again
 SOON = 0.5  # share of that step within which a contact is landed on that was not reached
 NEARER = 0.7  # share of the way to a contact that a step takes where all of it is too much: a force ends with a kink
 MOST_LANDINGS, MOST_TURNS = 200, 60  # tries that do not land; turns at one instant
 MOST_UNSOUND = 60  # tries of a run with stages that are not sound, as some are that go far beyond a contact
+STUCK = 1e-11  # share of the speed of an impact below which a slip after it is rounding
 TURN = 0.2  # of a body within which forces on a body at rest are known by three values [rad]
 AT_WALL = 1e-3  # share of the height of bounces that are not followed which may be rounding
 AT_ONCE = 1e-13  # share of the time within which turns are at one instant
@@ -83,13 +86,14 @@ class Meeting:
     def touches(self, at_start: Flag) -> Touches:
         """What the trip tells the reductions of contacts; at_start: it is the one that takes no time at the start."""
         begins = [near & (code < 0.5) for near, code in zip(self.near, self.touch.shut, strict=False)]
+        at_first = at_start & (self.touch.lane["tried"] < 0.5)
         for k, n in enumerate(self.meets.held):  # one that pushes again, and a clutch that takes
             if n < self.meets.n:
                 again = (self.met.spent[k] > 0.0) & apply("not", self.shut[n])
                 begins[n] = begins[n] | again
         for n in range(self.meets.n):
             if n not in self.meets.rigid:  # it is shut from the start on
-                begins[n] = begins[n] | (at_start & self.shut[n])
+                begins[n] = begins[n] | (at_first & self.shut[n])
                 if self.meets.table[n, at.LEVEL]:
                     begins[n] = begins[n] | (self.instant.still & self._takes(n))
         hardest: Operand = 0.0
@@ -104,7 +108,7 @@ class Meeting:
             begins[n] = begins[n] | (struck & (speeds[n] > 0.0)) if level else struck
             if level or toothed:  # a clutch is locked from the start on
                 decided = self.struck.shut[self.meets.rigid.index(n)] > 0.5
-                begins[n] = begins[n] | (at_start & self.decides & decided & (self.touch.lane["tried"] < 0.5))
+                begins[n] = begins[n] | (at_first & self.decides & decided)
         return Touches(begins, speeds, self.shut, dict(zip(self.meets.peaks, self.met.peaks, strict=True)))
 
     def _falls(self) -> Flag:
@@ -171,7 +175,8 @@ class Meeting:
         }  # fmt: skip
         shut, speed = self._states(flags.good & still, strikes)
         others = (*self.meets.rubbing, *self.meets.switching)
-        waits = _any(shut[n] > 2.5 for n in (*rigid, *others)) | (still & self.decides)
+        jumps = _any(self._jumps(n) for n in range(self.meets.n) if self._is_soft_clutch(n))
+        waits = _any(shut[n] > 2.5 for n in (*rigid, *others)) | (still & (self.decides | jumps))
         state = [
             *self._moved(flags.good, shut, touch.shut), *self._moved(flags.good, speed, touch.speed),
             *(
@@ -188,7 +193,7 @@ class Meeting:
         missed_one = flags.good & (met.deep > 0.0)  # see `solvers.contacts.penetration`
         lost = missed_one | (landings > float(MOST_LANDINGS)) | (count > float(MOST_TURNS)) | unsound
         unkept = values["unsound"] > float(MOST_UNSOUND)
-        decided = apply("not", _any(shut[n] > 2.5 for n in others))
+        decided = apply("not", _any(shut[n] > 2.5 for n in others) | jumps)
         lost = lost | (values["tried"] > float(MOST_TURNS))
         return Turned(state, ahead, one(turns | (flags.good & waits)), landings, lost, decided, unkept)
 
@@ -220,7 +225,7 @@ class Meeting:
         for n in range(self.meets.n):
             if n not in self.meets.rigid:
                 shut[n], speed[n] = self._compliant(n)
-                if self.meets.table[n, at.LEVEL]:
+                if self._is_soft_clutch(n):
                     shut[n] = select(still, self._jumped(n), shut[n])
         ended = _any(
             (self.near[n] & self.shut[n]) | (self.met.spent[self.meets.held.index(n)] > 0.0) for n in self.meets.rigid
@@ -264,9 +269,18 @@ class Meeting:
         if n in self.meets.held:
             again = self.met.spent[self.meets.held.index(n)] > 0.0
             after = select(self.shut[n] & (self.ends.gap[n] < 0.0), RELEASED, after)
-            after, near, begins = select(again, 1.0, after), near | again, begins | again
+            pressed = select(code > PRESSED, AGAIN, SHUT)
+            after, near, begins = select(again, pressed, after), near | again, begins | again
+            code = select((code > SHUT) & (code < PRESSED), SHUT, code)
         speed = select(begins, largest(-self.ends.rate[n], 0.0), self.touch.speed[n])
         return select(near, after, code), speed
+
+    def _is_soft_clutch(self, n: int) -> bool:
+        return bool(self.meets.table[n, at.LEVEL]) and n not in self.meets.rigid
+
+    def _jumps(self, n: int) -> Flag:
+        """Whether such a clutch takes or lets go in a trip that took no time."""
+        return apply("not", apply("equal", self._jumped(n), self.touch.shut[n]))
 
     def _jumped(self, n: int) -> Operand:
         """What a clutch without impacts is after a trip that took no time: rates may have jumped."""
@@ -304,12 +318,19 @@ class Meeting:
         if not level:
             low = low | self._low(n, k)
         after = select(took_part & low, DECIDES, OPEN)
-        sense = _sign(end["slip"])
+        sense = select(abs(end["slip"]) <= STUCK * self._fastest(), 0.0, _sign(end["slip"]))
         shut = select(self.decides, self.struck.shut[r], select(again[n], DECIDES, touch.shut[n]))
         slide = select(again[n] & (touch.shut[n] < 0.5), sense, touch.speed[n])
         slide = select(self.decides & (touch.shut[n] > 0.5), self.struck.slide[r], slide)
         shut, slide = select(self.hits, after, shut), select(self.hits, sense, slide)
         return select(still, shut, goes), select(still, slide, way)
+
+    def _fastest(self) -> Operand:
+        """The largest speed with which a rigid contact closes before a trip."""
+        fastest: Operand = 0.0
+        for n in self.meets.rigid:
+            fastest = largest(fastest, -self.touch.rate[n])
+        return fastest
 
     def _rubbing(self, n: int, still: Flag) -> tuple[Operand, Operand]:
         """What a joint that rubs is after a trip, and the sense of its slip.

@@ -24,15 +24,16 @@ from rattle.language.recorded import Flag, Operand, Recorded, bare, symbol_of
 from rattle.solvers.contacts.contact_events import GAUSS, WEIGHTS, push
 from rattle.solvers.contacts.gap_search import rate_rounding
 from rattle.solvers.nonsmooth.impact_phases import LZB, NEWTON
-from rattle.trace.graph import Graph, Symbol, both, select, summed
+from rattle.trace.graph import Graph, Symbol, apply, both, select, summed
 from rattle.trace.known_signs import SHALLOW, Depth, Gap, positive
 from rattle.trace.recorded_friction import RecordedFriction
 from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_modes import power
-from rattle.trace.recorded_rigid import RigidContacts, Struck
+from rattle.trace.recorded_rigid import SHUT, RigidContacts, Struck
 from rattle.trace.recorded_switches import RecordedSwitches
 from rattle.value_types import Plain
 
+PRESSED = 1.5  # of an input `shut`: below it an elastic contact that has just pushed again, above it a released one
 FIRST_DEPTH = 2.0**-20  # from which that is looked for where a contact turns back [m or rad]
 ROUNDS, SHARE_OF_DOUBLINGS = 7, 0.5  # of the energy that the depth takes: its force grows about linearly
 APART = 1e-3  # depth with which the laws of an open contact are computed, and left aside [m or rad]
@@ -215,11 +216,16 @@ class RecordedContacts:
         if self._rigid and m.massless.shape[0]:
             raise TraceError("impacts beside bodies without mass cannot be straight-line code")
         state = y.copy()
-        for n in np.flatnonzero(~self.rigid):
+        for n in np.flatnonzero(~self.rigid).tolist():
             account = self._copies.of(account_at.python)(m, n)
             kept, lost = state[account + STORED], state[account + LOSS]
-            state[account + LOSS] = select(self.is_shut[n], lost, lost + kept)
-            state[account + STORED] = select(self.is_shut[n], kept, 0.0)
+            held: Operand = 0.0
+            if self.table[n, at.BY_FORCE]:  # until its gap opens; one that pushes again has what its spring holds then
+                again = (self.shut[n] > SHUT) & (self.shut[n] < PRESSED)
+                held = select(self.shut[n] > PRESSED, kept, select(again, self.strain(m, n), 0.0))
+            keeps = apply("equal", self.shut[n], SHUT)
+            state[account + LOSS] = select(keeps, lost, lost + (kept - held))
+            state[account + STORED] = select(keeps, kept, held)
             first = self._copies.of(states_at.python)(m) + self.table[n, at.FIRST_STATE]
             for k in range(first, first + self.table[n, at.STATES]):
                 state[k] = select(self.is_shut[n], state[k], 0.0)

@@ -378,6 +378,12 @@ class Ledger:
         return rows, asks
 
     @property
+    def counting(self) -> set[int]:
+        """The rows of what counts contacts."""
+        places = [(place, tracker.rows) for tracker, place in self._places.items() if isinstance(tracker, Numbered)]
+        return {place + k for place, count in places for k in range(count)}
+
+    @property
     def screened(self) -> dict[Screened, int]:
         """Largest values that samples inside of steps may raise, and their rows."""
         return {tracker: place for tracker, place in self._places.items() if isinstance(tracker, Screened)}

@@ -103,6 +103,9 @@ def contacts_of(model: RecordedModel, reduction: Any) -> tuple[int, ...]:
     )
     if word != "contacts" and are.table[list(asked), at.LEVEL].any():
         raise TraceError(f"only single runs tell impacts of the clutch {joint} from other contacts")
+    level, rigid = are.table[:, at.LEVEL] == 1, are.rigid
+    if level[list(asked)].any() and (level | rigid).sum() > 1:
+        raise TraceError(f"only single runs tell which contacts of the clutch {joint} begin together with others")
     return asked
 
 

@@ -317,7 +317,7 @@ def _require_smooth(system: System) -> None:
     if driving:
         raise TraceError(
             f"{', '.join(driving)} switches (abs, sign, min, max, floor, mod, if, tables with kinks): code would step"
-            " over the jumps of a driver; use a smooth function of t"
+            " over the jumps of a driver, or of gravity; use a smooth function of t"
         )
 
 

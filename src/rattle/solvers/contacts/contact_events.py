@@ -6,7 +6,7 @@ that each step has a smooth right-hand side.
 No contact and no release is missed because it is shorter than a step: see `gap_search`.
 
 A contact with stated damping ends where its force does, inside its wall (RELEASED).  There it is without force until
-its gap opens, or until the force would push again: that is another contact.
+its gap opens, or until the force would push again: that is another contact.  What its spring gives meanwhile is lost.
 """
 
 from __future__ import annotations
@@ -370,11 +370,8 @@ def open_up(m, n, t, y):
 
 @compiled
 def spend(m, n, t, y):
-    """Contact n ends at (t, y) inside its wall, where its force does: what its spring holds is lost."""
-    k = account_at(m, n)
+    """Contact n ends at (t, y) inside its wall, where its force does; what its spring holds is lost until it opens."""
     note_end(m, n, t, y, max(m.contact_kinematics[n, at.DGAP], 0.0))
-    y[k + LOSS] += y[k + STORED]
-    y[k + STORED] = 0.0
     clear_states(m, n, y)
     m.contact_memory[n, at.CLOSED] = at.RELEASED
 
@@ -383,11 +380,12 @@ def spend(m, n, t, y):
 def take_again(m, n, t, y):
     """Contact n, without force inside its wall, is out of it at (t, y), or pushes again."""
     m.contact_memory[n, at.CLOSED] = at.OPEN
-    depth = -m.contact_kinematics[n, at.GAP]
-    if depth > rounding(m, n):  # its spring holds what had been taken for lost
-        k, held = account_at(m, n), strain_energy(m, n, depth)
-        y[k + LOSS] -= held
-        y[k + STORED] += held
+    depth, k, held = -m.contact_kinematics[n, at.GAP], account_at(m, n), 0.0
+    if depth > rounding(m, n):
+        held = strain_energy(m, n, depth)
+    y[k + LOSS] += y[k + STORED] - held  # what the spring has given since its force ended
+    y[k + STORED] = held
+    if held > 0.0:
         shut(m, n, t, y)
 
 

@@ -399,7 +399,9 @@ def book(m, t, h, y):
         if memory[n, at.CLOSED] != at.SHUT and not released:
             continue
         depth = -kinematics[n, at.GAP]
-        stored = strain_energy(m, n, depth) if depth > 0.0 and not released else 0.0
+        stored = 0.0
+        if depth > 0.0:
+            stored = float(y[account + STORED]) if released else strain_energy(m, n, depth)
         y[account + LOSS] += h * (kinematics[n, at.LOSS] + kinematics[n, at.STORE]) - stored + y[account + STORED]
         y[account + STORED] = stored
         if released:
