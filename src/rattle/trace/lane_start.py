@@ -17,6 +17,9 @@ LATER = 1e-3  # share of the first step after which it is seen whether a contact
 AT_WALL = 1e-9  # share of its scale by which a contact may be in its wall at the start by rounding
 
 
+Held = dict[int, dict[str, np.ndarray]]  # rows of HELD_ENDS by contact
+
+
 class Stock:
     """Up to n samples at t = 0, in columns.
 
@@ -100,12 +103,29 @@ class Stock:
         self.touch[2 * all_of : 2 * (all_of + count)] = rows[: 2 * count]
         for name, since in (("turned at", -np.inf), ("flown", np.inf)):  # no contact has turned yet
             self.touch[LANE.index(name) - len(LANE)] = since
+        ends = Ends(meets, list(rows))
+        held = {n: {name: np.asarray(x[k]) for name, x in ends.held.items()} for k, n in enumerate(meets.held)}
         apart = np.asarray(rows[:count] > 0.0)
-        ends, near = Ends(meets, list(rows)), {}
-        held = {n: {name: x[k] for name, x in ends.held.items()} for k, n in enumerate(meets.held)}
+        self._touch_rigid(meets, state, rows, held, apart)
+        self._touch_elastic(meets, state, rows, held, apart)
+        for n in (*meets.rubbing, *meets.switching):
+            slip = held[n]["slip"]
+            way = np.sign(slip) if n in meets.rubbing else _side(slip, held[n]["tangent"])
+            self.touch[n], self.touch[all_of + n] = DECIDES, way
+            self.still[:] = 1.0
+        first = 2 * (all_of + count) + 2 * len(meets.peaks)
+        for place, name in enumerate(HELD_STARTS):
+            for k, n in enumerate(meets.held):
+                value = held[n][name.removeprefix("most ")]
+                self.touch[first + place * len(held) + k] = np.abs(value) if name.startswith("most ") else value
+        self.constants[: 2 * all_of] = self.touch[: 2 * all_of]
+        return np.asarray(apart.all(axis=0))
+
+    def _touch_rigid(self, meets: Meets, state: np.ndarray, rows: np.ndarray, held: Held, apart: np.ndarray) -> None:
+        """Rigid contacts: those at their walls hit if one does, else they decide; a clutch may be struck shut."""
+        near = {}
         for n in meets.rigid:
-            scale = meets.lever[n][at.GAP_SCALE]
-            size = state[scale.place] if isinstance(scale, Row) else scale
+            size = _size(meets, n, state)
             near[n] = (rows[n] <= START_NEAR * size) & (held[n]["calm"] <= 0.0)
             apart[n] = rows[n] > -START_NEAR * size
             if meets.table[n, at.LEVEL]:
@@ -114,37 +134,28 @@ class Stock:
         any_hits = np.any([*hits.values(), np.zeros(self.n, dtype=bool)], axis=0)
         for n in meets.rigid:
             rests = np.where(any_hits, HITS, DECIDES)
-            open_ = np.where(any_hits, HITS, OPEN) if meets.table[n, at.LEVEL] else OPEN  # a clutch may be struck shut
+            open_ = np.where(any_hits, HITS, OPEN) if meets.table[n, at.LEVEL] else OPEN
             self.touch[n] = np.where(hits[n], HITS, np.where(near[n], rests, open_))
-            self.touch[all_of + n] = np.where(near[n], np.sign(np.asarray(held[n]["slip"], dtype=float)), 0.0)
+            self.touch[meets.all_of + n] = np.where(near[n], np.sign(held[n]["slip"]), 0.0)
             self.still[near[n]] = 1.0
+
+    def _touch_elastic(self, meets: Meets, state: np.ndarray, rows: np.ndarray, held: Held, apart: np.ndarray) -> None:
+        """Compliant contacts: those that move into their walls, or are inside; clutches that take without an impact."""
+        count, all_of = meets.n, meets.all_of
         at_wall, presses, inside = self._at_walls(meets, rows, self._later(state))
-        for k, n in enumerate(meets.held):  # one whose force would pull is left to a run alone
+        for n in meets.held:  # one whose force would pull is left to a run alone
             if n < count and n not in meets.rigid:
-                inside[n] &= np.asarray(ends.held["pressed"][k] >= 0.0)
+                inside[n] &= held[n]["pressed"] >= 0.0
         at_once = (at_wall & presses) | inside
         apart |= (at_wall & ~presses) | (at_once & ~self.still.astype(bool))
         self.touch[:count][at_once] = 1.0
         self.touch[all_of : all_of + count][at_once] = np.maximum(-rows[count : 2 * count], 0.0)[at_once]
+        self.touch[LANE.index("closing") - len(LANE)] = at_once.any(axis=0)
         self.still[at_once.any(axis=0)] = 1.0
         for n in range(count):
-            if meets.table[n, at.LEVEL] and n not in meets.rigid:  # a clutch that takes without an impact
+            if meets.table[n, at.LEVEL] and n not in meets.rigid:
                 self.touch[n], apart[n] = rows[count + n] < 0.0, True
                 self.still[:] = 1.0
-        for n in meets.rubbing:
-            self.touch[n], self.touch[all_of + n] = DECIDES, np.sign(np.asarray(held[n]["slip"], dtype=float))
-            self.still[:] = 1.0
-        for n in meets.switching:
-            self.touch[n], self.touch[all_of + n] = DECIDES, _side(held[n]["slip"], held[n]["tangent"])
-            self.still[:] = 1.0
-        self.touch[LANE.index("closing") - len(LANE)] = at_once.any(axis=0)
-        first = 2 * (all_of + count) + 2 * len(meets.peaks)
-        for place, name in enumerate(HELD_STARTS):
-            for k, n in enumerate(meets.held):
-                value = np.asarray(held[n][name.removeprefix("most ")])
-                self.touch[first + place * len(held) + k] = np.abs(value) if name.startswith("most ") else value
-        self.constants[: 2 * all_of] = self.touch[: 2 * all_of]
-        return np.asarray(apart.all(axis=0))
 
     def _later(self, state: np.ndarray) -> np.ndarray:
         """State a little after the start, if no contact acts."""
@@ -161,8 +172,7 @@ class Stock:
         slow = AT_WALL * np.abs(self.y[nq : 2 * nq]).max(axis=0)
         for n in range(count):
             if n not in meets.rigid and not meets.table[n, at.LEVEL]:
-                scale, rate = meets.lever[n][at.GAP_SCALE], rows[count + n]
-                size = later[scale.place] if isinstance(scale, Row) else scale
+                size, rate = _size(meets, n, later), rows[count + n]
                 at_wall[n] = (rows[n] <= 0.0) & (rows[n] >= -AT_WALL * size)
                 inside[n] = rows[n] < -AT_WALL * size
                 presses[n] = (rate < -slow) | ((rate <= slow) & (after[count + n] < rate))
@@ -172,6 +182,12 @@ class Stock:
     def evaluations(self) -> int:
         """Right-hand sides that a sample takes."""
         return 2 if self.program.method.adaptive else 1
+
+
+def _size(meets: Meets, n: int, state: np.ndarray) -> Any:
+    """Size of the gap of a contact [m or rad], of each sample if these differ."""
+    scale = meets.lever[n][at.GAP_SCALE]
+    return state[scale.place] if isinstance(scale, Row) else scale
 
 
 def _side(value: Any, rate: Any) -> np.ndarray:

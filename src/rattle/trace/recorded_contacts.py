@@ -80,20 +80,23 @@ class RecordedContacts:
         for n in range(len(self.joints)):
             self._require_able(n, values, alone)
         self.rubbing, self.switches = friction, switches
-        rubs = [] if friction is None else friction.rubs
-        # inputs of each of two kinds: of contacts, then of joints that rub, then of switches
-        first, last = len(self.joints), len(self.joints) + len(rubs)
-        self.inputs = last + (0 if switches is None else len(switches))
-        self.shut = [graph.input() for _ in range(self.inputs)]
-        self.speed = [graph.input() for _ in range(self.inputs)]
-        if friction is not None:
-            friction.modes = dict(zip(rubs, self.speed[first:last], strict=True))
-        if switches is not None:
-            switches.sides = self.speed[last:]
+        self._take_inputs()
         self.is_shut = [shut > 0.5 for shut in self.shut[: len(self.joints)]]
         if lanes:  # of rigid ones it may be HITS, DECIDES too
             self.is_shut = [flag & (shut < 1.5) for flag, shut in zip(self.is_shut, self.shut, strict=False)]
         self._rigid: list[RigidContacts] = []
+
+    def _take_inputs(self) -> None:
+        """Inputs of each of two kinds: of contacts, then of joints that rub, then of switches."""
+        rubs = [] if self.rubbing is None else self.rubbing.rubs
+        first, last = len(self.joints), len(self.joints) + len(rubs)
+        self.inputs = last + (0 if self.switches is None else len(self.switches))
+        self.shut = [self.graph.input() for _ in range(self.inputs)]
+        self.speed = [self.graph.input() for _ in range(self.inputs)]
+        if self.rubbing is not None:
+            self.rubbing.modes = dict(zip(rubs, self.speed[first:last], strict=True))
+        if self.switches is not None:
+            self.switches.sides = self.speed[last:]
 
     def _require_able(self, n: int, values: np.ndarray, alone: bool) -> None:
         """Raise TraceError for a contact that cannot be recorded; alone: there is one rigid one, and it is smooth."""

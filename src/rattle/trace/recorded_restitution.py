@@ -46,22 +46,29 @@ def expanded(
         every = [x for pair in f for x in pair]
         after = [x + summed(a * y for a, y in zip(row, every, strict=True)) for x, row in zip(before, g, strict=True)]
         gains = [x - y for x, y in zip(after, rates, strict=True)]  # of both phases: others are not known as well
-        flags: list[Flag] = []
-        for k, (above, way) in enumerate(modes):
-            party, (normal, *along), row = parties[k], f[k], w * k
-            open_: list[Flag] = [after[row] >= -slight[row]]
-            if above:
-                open_ = [normal >= least[k], party.loose[0]]
-            if way == STICKS:
-                open_ += [abs(along[0]) <= (1.0 + SLIGHT) * party.mu * normal, party.loose[1]]
-            elif w == 2:
-                open_.append(-PULLS[way] * after[row + 1] >= 0.0)
-            flags.append(both(graph, [*open_, party.taken]))
-            if not above and way == FORWARD:
-                flags[-1] = flags[-1] | apply("not", party.taken)
+        flags = [
+            both(graph, _conditions(mode, party, f[k], least[k], after[w * k : w * k + w], slight[w * k]))
+            for k, (mode, party) in enumerate(zip(modes, parties, strict=True))
+        ]
+        for k, (party, mode) in enumerate(zip(parties, modes, strict=True)):
+            if mode == (False, FORWARD):  # the mode of a place without a contact
+                flags[k] = flags[k] | apply("not", party.taken)
         tries.append(Try([0] * count, f, gains, both(graph, flags)))
     more, fits, _ = first(tries)
-    return [[x + y for x, y in zip(one, two, strict=True)] for one, two in zip(pressed, more, strict=True)], fits
+    return [[x + y for x, y in zip(old, new, strict=True)] for old, new in zip(pressed, more, strict=True)], fits
+
+
+def _conditions(
+    mode: tuple[bool, int], party: Party, force: Sequence[Operand], least: Operand, after: Sequence[Operand],
+    slight: Operand,
+) -> list[Flag]:  # fmt: skip
+    """What has to hold of a contact in its mode; force: its N and T, least: of N, after: its rates, slight: of them."""
+    (above, way), normal = mode, force[0]
+    flags: list[Flag] = [party.taken]
+    flags += [normal >= least, party.loose[0]] if above else [after[0] >= -slight]
+    if way == STICKS:
+        return [*flags, abs(force[1]) <= (1.0 + SLIGHT) * party.mu * normal, party.loose[1]]
+    return flags if len(after) == 1 else [*flags, -PULLS[way] * after[1] >= 0.0]
 
 
 def _expansion(
@@ -76,7 +83,10 @@ def _expansion(
         return g[r][w * k] if w == 1 or pull == 0.0 else g[r][w * k] + pull * parties[k].mu * g[r][w * k + 1]
 
     unknown = [
-        (k, r) for k, (above, way) in enumerate(modes) for r in range(w) if (r == 0 and above) or (r == 1 and not way)
+        (k, r)
+        for k, (above, way) in enumerate(modes)
+        for r in range(w)
+        if (r == 0 and above) or (r == 1 and way == STICKS)
     ]
     rows = []
     for k, r in unknown:
@@ -92,9 +102,7 @@ def _expansion(
     return result
 
 
-def along_path(
-    g: list[list[Operand]], party: Party, rate: Operand, slip: Operand
-) -> tuple[list[Operand], Flag]:  # fmt: skip
+def along_path(g: list[list[Operand]], party: Party, rate: Operand, slip: Operand) -> tuple[list[Operand], Flag]:
     """N and T of one energetic impact with friction, from the rates before it; a flag: it comes to its end."""
     mu, can = party.mu, party.loose[1] & (party.mu > 0.0)
     pressed: Operand = 0.0

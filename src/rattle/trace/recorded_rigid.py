@@ -275,13 +275,14 @@ class RigidContacts:
             f, met, _ = self._tried(m, slots, pairs, lasting=False)
             f, expands = expanded(self.graph, g, parties, f, rates)
             return f, met & expands
-        one, met = [-(1.0 + parties[0].restitution) * rates[0] / g[0][0]], True
+        struck: list[Operand] = [-(1.0 + parties[0].restitution) * rates[0] / g[0][0]]
+        met = True
         if self.rough:
-            one, met = along_path(g, parties[0], rates[0], rates[1])
+            struck, met = along_path(g, parties[0], rates[0], rates[1])
         for other in slots[1:]:
             met = met & apply("not", other.taken)
         none: list[Operand] = [0.0] * self.width
-        return [one, *(list(none) for _ in slots[1:])], met
+        return [struck, *(list(none) for _ in slots[1:])], met
 
     def _before(
         self, m: SimpleNamespace, slot: _Slot, rate: dict[int, Operand], slip: dict[int, Operand]

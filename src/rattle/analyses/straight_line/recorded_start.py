@@ -112,8 +112,8 @@ def _constants(recorded: System, recorder: Recorder, q: np.ndarray) -> list[Oper
             values += left
         return values
 
-    found, sound = Recording(zero, recorder).guarded(constants)
-    return [*found, sound]
+    numbers, sound = Recording(zero, recorder).guarded(constants)
+    return [*numbers, sound]
 
 
 def driven_bodies(system: System, start: Assembled) -> set[str]:
