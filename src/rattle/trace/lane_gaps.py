@@ -192,6 +192,31 @@ class _Look(NamedTuple):
         return _Look(*flags, *(select(shut, a, b) for a, b in zip(self[3:], other[3:], strict=True)))
 
 
+class _Fall(NamedTuple):
+    """How a curve of which rates are known comes to zero in a step."""
+
+    inside: Flag  # beyond zero already, by rounding or where it has turned back at once, and on its way farther
+    arrives: Flag  # it is zero at the end
+    low: Operand  # least value that is none below zero
+    zero: Operand  # where its first zero is about: a share of the step
+
+
+def _fall(
+    curve: Quartic, h: Operand, start: tuple[Operand, Operand], last: tuple[Operand, Operand], slight: Operand,
+    missed: Operand,
+) -> _Fall:  # fmt: skip
+    """start, last: value and rate at the ends of a step of length h [s]; slight: of a value, what may be rounding;
+    missed: time by which an instant may be missed [s]."""
+    (value, rate), (end, end_rate) = start, last
+    inside = (value <= 0.0) & (rate <= 0.0)
+    close = largest(slight, missed * abs(end_rate))
+    close = select(inside, largest(close, TURNS_BACK * abs(value)), close)
+    arrives = (end_rate < 0.0) & (abs(end) <= close)
+    low = select(inside, 0.0, least(value, 0.0)) - select(arrives, close, slight)
+    soon = least(0.5, abs(value) / largest(h * abs(rate), LITTLE))
+    return _Fall(inside, arrives, low, select(inside, largest(soon, LEAST_SOON), curve.zero()))
+
+
 _NOTHING = _Look(False, False, True, FAR, FAR, FAR)
 
 
@@ -241,15 +266,10 @@ def _switch_looks(
         end, end_rate, slight = (ends.held[name][k] for name in ("reserve", "pressed", "faint"))
         half, half_rate = midway[first + held + k], midway[first + k]
         curve = Quartic(start, h * rate, half, end, h * end_rate)
-        inside = (start <= 0.0) & (rate <= 0.0)
-        close = largest(slight, missed * abs(end_rate))
-        close = select(inside, largest(close, TURNS_BACK * abs(start)), close)
-        arrives = (end_rate < 0.0) & (abs(end) <= close)
-        low = select(inside, 0.0, least(start, 0.0)) - select(arrives, close, slight)
-        free = curve.lowest(abs(h * half_rate - curve.slope(0.5))) >= low
-        soon = least(0.5, abs(start) / largest(h * abs(rate), LITTLE))
-        zero = select(inside, largest(soon, LEAST_SOON), curve.zero())
-        looks.append(_Look(arrives, end < low, free | (arrives & inside), 0.0, zero, curve.beyond()))
+        fall = _fall(curve, h, (start, rate), (end, end_rate), slight, missed)
+        free = curve.lowest(abs(h * half_rate - curve.slope(0.5))) >= fall.low
+        arrives = fall.arrives
+        looks.append(_Look(arrives, end < fall.low, free | (arrives & fall.inside), 0.0, fall.zero, curve.beyond()))
     return looks
 
 
@@ -339,12 +359,8 @@ class _Gap:
     def looked_at(self, missed: Operand) -> _Look:
         """missed: time by which an instant of contact may be missed [s], 0: this step does not try to end there."""
         h, bent = self.h, self.bent
-        # beyond its zero already, by rounding or where it has turned back at once, and on its way farther
-        inside = (self.gap <= 0.0) & (self.rate <= 0.0)
-        close = largest(self.slight, missed * abs(self.end_rate))
-        close = select(inside, largest(close, TURNS_BACK * abs(self.gap)), close)
-        arrives = (self.end_rate < 0.0) & (abs(self.end) <= close)
-        low = select(inside, 0.0, least(self.gap, 0.0)) - select(arrives, close, self.slight)
+        fall = _fall(self.curve, h, (self.gap, self.rate), (self.end, self.end_rate), self.slight, missed)
+        inside, arrives, low, zero = fall
         margin = self.missed + self.fifth * h**4 * h / 3840.0
         smooth = self.turning * h <= gap_search.WHOLE_TURN
         proven = smooth & (self.curve.lowest(margin) >= self.size * low)
@@ -352,8 +368,6 @@ class _Gap:
         chord = nearest - 0.125 * select(self.shut, bent, self.bend) * h * h >= low
         free = proven | chord | (abs(self.rate + self.end_rate) >= bent * h)
         allowed = CAUTION * root(8.0 * largest(nearest - low, LITTLE) / largest(bent, LITTLE))
-        soon = least(0.5, abs(self.gap) / largest(h * abs(self.rate), LITTLE))
-        zero = select(inside, largest(soon, LEAST_SOON), self.curve.zero())
         return _Look(arrives, self.end < low, free | (arrives & inside), allowed, zero, self.curve.beyond())
 
 
