@@ -112,3 +112,13 @@ def test_what_switches_to_and_fro_stops_as_alone():
 def test_steps_of_equal_length_run_alone():
     found = pendulum("k*abs(sin(t))").many({"k": [9.0]}, t_end=0.1, outputs=["final(b.angle)"], method="rk4", step=1e-3)
     assert "steps of equal length do not end where expressions switch" in found.stats["how"]
+
+
+def test_a_table_that_goes_on_for_ever_is_not_read_before_its_beginning():
+    """Its last span is long, its first one short."""
+    text = pendulum("k*once(t - later)").to_toml().replace("-9, 0.03, 0.1, 0.2, 9", "-1e-9, 1e-9, 0.1, 0.2, 2e9")
+    assert "2e9" in text
+    m = rt.loads(text)
+    assert "outside of the table 'once'" in m.simulate(0.2).message
+    found = m.many({"k": [9.0, 10.0]}, t_end=0.2, outputs=["final(b.angle)"])
+    assert "outside of the table 'once'" in found.messages[0]

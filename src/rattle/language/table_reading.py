@@ -8,7 +8,8 @@ from rattle.jit.functions import compiled
 
 SEGMENTS, PERIOD, KNOTS = range(3)  # of a block: number of segments, period or 0, the first knot
 PER_SEGMENT = 4  # coefficients
-EDGE = 1e-9  # share of its length by which a table may be left: rounding
+EDGE = 1e-9  # share of its last span by which a table may be left there: rounding
+ROUNDED = 1e-14  # share of its largest argument by which it may be left in any case
 NAN = math.nan
 
 
@@ -21,7 +22,9 @@ def knot_coordinate(table, k, x):
     if period > 0.0:
         turns = float(math.floor((x - start) / period)) if abs(x) < 1e15 * period else NAN
         x = x - turns * period
-    if not (start - EDGE * (end - start) <= x <= end + EDGE * (end - start)):
+    slight = ROUNDED * (abs(start) + abs(end))
+    before, after = EDGE * (table[first + 1] - start) + slight, EDGE * (end - table[first + n - 1]) + slight
+    if not (start - before <= x <= end + after):
         return NAN
     low, high = 0, n
     while high - low > 1:

@@ -53,7 +53,7 @@ WORDS = {
     Status.ENERGY: "has an energy error above the limit",
     Status.TOO_MANY_STEPS: "takes too many steps",
     Status.STEP_TOO_SMALL: "needs steps that are too short",
-    Status.CONTACTS: "comes to more contacts at once than straight-line code follows, or to undecided forces",
+    Status.CONTACTS: "comes to more contacts at once than straight-line code follows, or what turns does not settle",
     Status.PRESSED: "is pressed into a wall at its start",
 }
 

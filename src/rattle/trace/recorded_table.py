@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from rattle.errors import TraceError
 from rattle.language.recorded import Flag, Operand
-from rattle.language.table_reading import EDGE, KNOTS, PER_SEGMENT, PERIOD
+from rattle.language.table_reading import EDGE, KNOTS, PER_SEGMENT, PERIOD, ROUNDED
 from rattle.trace.graph import Symbol, apply, select
 
 MOST_SEGMENTS = 300  # each costs five choices wherever the table is used
@@ -62,8 +62,9 @@ def _in_range(table: Sequence[Operand], k: int, knots: Sequence[Operand], x: Ope
     if isinstance(period, Symbol) or period > 0.0:
         turns = apply("floor", (x - knots[0]) / period)
         return x - period * turns, turns
-    slack = EDGE * (knots[-1] - knots[0])
-    inside = apply("both", _at_most(knots[0] - slack, x), _at_most(x, knots[-1] + slack))
+    slight = ROUNDED * (abs(knots[0]) + abs(knots[-1]))
+    before, after = EDGE * (knots[1] - knots[0]) + slight, EDGE * (knots[-1] - knots[-2]) + slight
+    inside = apply("both", _at_most(knots[0] - before, x), _at_most(x, knots[-1] + after))
     return select(inside, x, math.nan), 0.0
 
 
