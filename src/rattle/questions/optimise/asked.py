@@ -17,6 +17,7 @@ from rattle.errors import InputError, ModelError, Problem, WrongType, suggest
 from rattle.language.syntax import Number, names
 from rattle.language.units import QuantityError, describe, dimension_of, parse_quantity
 from rattle.results.reductions import (
+    HARDEST,
     READ_OFF,
     Constraint,
     Known,
@@ -84,11 +85,11 @@ class Question:
 
     @property
     def follows_contacts(self) -> bool:
-        """Whether derivatives of the curves make those of the outputs where contacts begin and end: instants alone,
-        as those of curves that jump do not hold between instants."""
+        """Whether derivatives of the curves and of contacts make those of the outputs: not of numbers of events, of
+        impulses, nor beside a mechanism without play, whose curves jump elsewhere."""
         kinds = {reduction.kind for output in self.outputs for reduction in output.reductions}
         touches = self.analysis == "simulate" and len(self.mechanism.system.arrays["contact"]) > 0
-        return touches and kinds <= {"at", "final"} and not self.ideal_curves
+        return touches and not kinds & {"count", HARDEST} and not self.ideal_curves
 
     @property
     def width(self) -> np.ndarray:
@@ -100,7 +101,7 @@ class Question:
 
         finer: into how many parts an interval is divided.
         """
-        read_off = self._read_off(m)
+        read_off = self.read_off(m)
         count = len(output_times(m.model.settings, self.t_end, None)[1]) - 1
         grid = np.linspace(0.0, self.t_end, self.finer * finer * max(count, FEWEST) + 1)
         apart = np.abs(grid - _nearest(grid, read_off)) > SAME * self.t_end
@@ -114,13 +115,13 @@ class Question:
         # whose arguments may move with the parameters
         moving = [reduction for reduction in every if reduction.argument is not None and names(reduction.argument)]
         if not moving:
-            return self._read_off(m)
+            return self.read_off(m)
         times = self.times(m)
         places = np.searchsorted(times, [argument(reduction, m.parameters) for reduction in moving])
         beside = (places[:, None] + np.arange(-BESIDE, BESIDE + 1)).clip(0, len(times) - 1)
-        return np.asarray(np.union1d(self._read_off(m), times[beside]))
+        return np.asarray(np.union1d(self.read_off(m), times[beside]))
 
-    def _read_off(self, m: Mechanism) -> np.ndarray:
+    def read_off(self, m: Mechanism) -> np.ndarray:
         """The instants [s] that are read off: start, end, and all `at`, of which one may stand for the end."""
         instants = {t for output in self.outputs for t in needed_instants(output, m.parameters)}
         outside = [t for t in instants if not 0.0 <= t <= self.t_end * (1.0 + SAME)]

@@ -4,8 +4,8 @@ With y the curves of a run and F an output, a functional of curves and parameter
 
     dF/dp_k = lim (F[y + h dy/dp_k, p + h e_k] - F[y - h dy/dp_k, p - h e_k])/(2 h)
 
-dy/dp is exact (see `analyses.sensitivity`); only F, which needs no run, is differenced.  Where there is no dy/dp, whole
-runs are differenced; both are counted.
+dy/dp is exact, on both sides of events too (see `sensitivity.nearby`); only F, which needs no run, is differenced.
+Where there is no dy/dp, whole runs are differenced; both are counted.
 """
 
 from __future__ import annotations
@@ -20,15 +20,18 @@ import numpy as np
 from rattle.errors import AssemblyError, ModelError, SolverError, TraceError
 from rattle.questions.optimise.asked import RTOL, Question
 from rattle.questions.optimise.squares import Square, is_root, squares
+from rattle.questions.sensitivity.nearby import Nearby
 from rattle.questions.sensitivity.repeated import RepeatedSensitivities
 from rattle.results.build import NOTHING_DRAWN
 from rattle.results.contact_summary import no_number
 from rattle.results.evaluation import evaluate, unread_curves
+from rattle.results.event import Event
 from rattle.results.reductions import Output
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 from rattle.solvers.stepper import ATOL
 from rattle.studies.runs.reasons import alike
+from rattle.value_types import Tree
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
@@ -170,9 +173,12 @@ class Designs:
 
         Parts of a whole curve have their places between outputs; impacts come at other instants in every design.
         """
+        return self._has_parts(design) and not self.question.constraints
+
+    def _has_parts(self, design: Design) -> bool:
         curves = any(square.form == "curve" for square in self.squares)
         jumps = design.ran.result.breaks is not None
-        return bool(self.squares) and not self.question.constraints and not (curves and jumps)
+        return bool(self.squares) and not (curves and jumps)
 
     @property
     def is_root(self) -> bool:
@@ -182,7 +188,7 @@ class Designs:
     def _steepness(self, design: Design) -> float:
         """Size |J| of the changes of the parts over the ranges; 0 for what is no sum of squares."""
         try:
-            return float(np.linalg.norm(self.parts(design)[1])) if self.squares else 0.0
+            return float(np.linalg.norm(self.parts(design)[1])) if self._has_parts(design) else 0.0
         except LostError:
             return 0.0
 
@@ -211,19 +217,22 @@ class Designs:
         question, run = self.question, design.ran
         asked = ((run.mechanism, question.curves), (run.ideal, question.ideal_curves))
         exact = self._sensitivities(asked)
-        t, curves = question.needed_times(run.mechanism), []
-        for (m, names), derivatives in zip(asked, exact, strict=True):
-            curves.append(None if derivatives is None or m is None else (names, *derivatives.at(m.system, m.start, t)))
-        width, rows = question.width, []
+        t, read_off = question.needed_times(run.mechanism), question.read_off(run.mechanism)
+        curves: list[tuple[list[str], Nearby] | None] = [None] * len(asked)
+        for place, ((m, names), derivatives) in enumerate(zip(asked, exact, strict=True)):
+            if derivatives is not None and m is not None:
+                curves[place] = names, derivatives.at(m.system, m.start, t, read_off)
+        width, rows, geometry = question.width, [], run.result.geometry
         for k, name in enumerate(question.names):
             beside: dict[int, np.ndarray] = {}
             step = min(STEP, max(LEAST_STEP, OF_VALUE * abs(run.mechanism.parameters[name]) / width[k]))
+            step = min([step, *(c[1].reach(k) / width[k] for c in curves if c is not None)])
             for n in (1, -1, 0, 2, -2):
                 if n == 0 and len(beside) == 2:
                     break
                 h = n * step * width[k]
-                moved = [c if c is None else _result(t, c[0], c[1] + h * c[2][:, :, k]) for c in curves]
-                main = moved[0] if moved[0] is not None else _result(t, [], np.zeros((len(t), 0)))
+                moved = [c if c is None else _result(c[0], geometry, *c[1].moved(k, h)) for c in curves]
+                main = moved[0] if moved[0] is not None else _result([], geometry, t, np.zeros((len(t), 0)))
                 with suppress(ValueError):  # an instant that moved out of the run
                     beside[n] = numbers(main, question.moved(run.mechanism, name, h), moved[1])
             rows.append(_difference(beside, step))
@@ -246,7 +255,7 @@ class Designs:
                         rtol,
                         ATOL * rtol,
                     )
-                    if m is not None and names
+                    if m is not None and (names or touches)
                     else None
                     for m, names in asked
                 ]
@@ -304,10 +313,12 @@ def _difference(values: Mapping[int, np.ndarray], h: float) -> np.ndarray:
     raise LostError("the designs beside it cannot be evaluated")
 
 
-def _result(t: np.ndarray, names: Sequence[str], data: np.ndarray) -> Result:
-    """Curves as a result."""
-    nothing: dict[str, Any] = {}
+def _result(
+    names: Sequence[str], geometry: Tree, t: np.ndarray, data: np.ndarray, events: Sequence[Event] = ()
+) -> Result:
+    """Curves as a result; geometry: what its joints are."""
+    joints = {**NOTHING_DRAWN, "joints": geometry["joints"]}
     return Result(
-        t=t, data=data, names=names, units=dict.fromkeys(names, ""), geometry=NOTHING_DRAWN, trust=Trust(drift=0.0),
-        stats=nothing, provenance=nothing,
+        t=t, data=data, names=names, units=dict.fromkeys(names, ""), geometry=joints, trust=Trust(drift=0.0),
+        stats={}, provenance={}, events=events,
     )  # fmt: skip

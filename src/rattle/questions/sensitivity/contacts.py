@@ -100,8 +100,7 @@ class Touching:
 
     def watched(self, t: float, z: np.ndarray, rate: np.ndarray) -> Watched:
         """Gaps, rates and forces at t [s] and z; rate: dy/dt (ny,)."""
-        x, along = self._directions(t, z, rate)
-        values, slopes = self._watch(x, along)
+        values, slopes = self._watch(*self.functions.directions(t, z, rate))
         gap, speed, normal = values.reshape(3, -1)
         by_gap, by_rate, by_normal = slopes.reshape(3, len(gap), -1)
         return Watched(
@@ -116,7 +115,7 @@ class Touching:
         None if none of its ways is possible, or several that differ.  rebounds: False for the last one of a contact
         that stays shut.
         """
-        x, along = self._directions(t, z, rate)
+        x, along = self.functions.directions(t, z, rate)
         ways, possible = self._impacts[n], []
         if self.are.lasts[n]:
             ways = ways[:1] if rebounds else ways[1:]
@@ -125,11 +124,6 @@ class Touching:
             if values[-1] == 1.0:
                 possible.append((np.column_stack([values[:-1], slopes[:-1, :-1]]), slopes[:-1, -1]))
         return possible[0] if len(possible) == 1 else None
-
-    def _directions(self, t: float, z: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        x, along = self.functions.at(t, z)
-        in_time = np.concatenate([[1.0], rate, np.zeros(len(x) - 1 - len(rate))])
-        return x, np.column_stack([along, in_time])
 
 
 class ContactMotion(Motion):
@@ -186,6 +180,8 @@ class ContactMotion(Motion):
             return False
         if len(hit):
             self._meet(hit)
+        elif self.touching.shut.any():  # contacts may be shorter than the time between two outputs
+            self._keep_between(t_new, z)
         return not len(hit)
 
     def _hit(self, before: Watched, after: Watched) -> np.ndarray:
@@ -285,11 +281,13 @@ class ContactMotion(Motion):
         if self._ends_by_force(n):
             by, rate = seen.by_normal, seen.normal_in_time
         shift = -by[n] / rate[n] if rate[n] != 0.0 else np.full(before.shape[1] - 1, math.nan)
+        self._keep_moment(shift)
         if self.touching.shut[n]:
             self._end(n, shift)
         else:
             self._start(n, shift)
         if not self.message:
+            self._keep_moment(shift)
             self.h, self._near = RESTART * self.t_end, 0
             self.switched += 1
 
@@ -397,4 +395,5 @@ class ContactMotion(Motion):
             low, high = (t, high) if seen.normal_in_time[n] > 0.0 else (low, t)
             if high - low <= TOO_SHORT * self.t_end:
                 break
+        self._keep_between(t, z)
         return seen

@@ -86,13 +86,22 @@ class Functions:
         """Kinetic and potential energy, work, energy dissipated, balance [J]."""
         return self._energy_values(self.inputs(t, z[:, 0])[:, None])[:, 0]
 
+    def curves_in_time(self, t: float, z: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
+        """Curves (nc,), their derivatives (nc, k + 1), the last by time for dy/dt = rate (ny,), and their soundness."""
+        values, along = self._curves(*self.directions(t, z, rate))
+        return values[:-1], along[:-1], values[-1] == 1.0
+
     def margins(self, t: float, z: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives (ns, k) of the switching functions, and their time derivatives (ns,) for dy/dt = rate (ny,)."""
         assert self._margins is not None
+        _, slopes = self._margins(*self.directions(t, z, rate))
+        return slopes[:, :-1], slopes[:, -1]
+
+    def directions(self, t: float, z: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Inputs (n_in,), and how they change with each parameter and, last, in time (n_in, k + 1); rate: dy/dt."""
         x, along = self.at(t, z)
         in_time = np.concatenate([[1.0], rate, np.zeros(len(x) - 1 - len(rate))])
-        _, slopes = self._margins(x, np.column_stack([along, in_time]))
-        return slopes[:, :-1], slopes[:, -1]
+        return x, np.column_stack([along, in_time])
 
 
 def _of_contacts(model: RecordedModel, margins: list[Operand]) -> np.ndarray:

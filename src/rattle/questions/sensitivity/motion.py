@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 import time
+from typing import NamedTuple
 
 import numpy as np
 
@@ -35,6 +36,15 @@ NEAR = 3  # a step is halved where a switch lies inside: it is met within two su
 SAME = 1e-6  # share by which the instants of two switches may depend differently on a parameter and yet be one
 
 
+class Moment(NamedTuple):
+    """Curves at an instant between outputs that may move with the parameters."""
+
+    t: float  # [s]
+    shift: np.ndarray  # (k,) derivatives of the instant
+    values: np.ndarray  # (nc,)
+    slopes: np.ndarray  # (nc, k) derivatives of the values at that instant
+
+
 class Motion:
     """The motion from the state z (ny, 1 + k) at t = 0; `go` takes it to the end, or `message` says why not."""
 
@@ -47,6 +57,7 @@ class Motion:
         self.interrupted = False
         self.values: list[np.ndarray] = []  # curves at the outputs
         self.derivatives: list[np.ndarray] = []
+        self.moments: list[Moment] | None = None  # both sides of events, where a list is given
         self.history: list[tuple[float, np.ndarray]] = []  # times [s], sizes (k,) of the derivatives of positions
         self.drift, self.drift_angle = 0.0, 0.0  # what the projection of an output corrects [m], [rad]
         self.balance, self.share = 0.0, 0.0  # largest energy error [J], and as a share of the largest energy
@@ -149,12 +160,14 @@ class Motion:
         else:
             self.message = f"stopped at t = {t:.6g} s: {self._names} touches its switch there and turns back"
             return
+        shift = None
         jump = before.values[:, 0] - after.values[:, 0]
         scale = max(np.abs(before.values[:, 0]).max(), np.abs(after.values[:, 0]).max())
         if np.abs(jump).max() > ALIKE * scale:
             shift = self._shift(before, after)
             if shift is None:
                 return
+            self._keep_moment(shift)
             beyond[:, 1:] += jump[:, None] * shift
         self.z, sound = self.functions.projected(t + ahead, beyond)
         self._rates = self.functions.rates(t + ahead, self.z)
@@ -163,6 +176,8 @@ class Motion:
             return
         self.t, self.h, self._near = t + ahead, RESTART * self.t_end, 0
         self.switched += 1
+        if shift is not None:
+            self._keep_moment(shift, t)
 
     def _shift(self, before: Rates, after: Rates) -> np.ndarray | None:
         """(k,) derivatives of the instant of the switch [s] by the parameters; None, with a message, if it has none."""
@@ -185,6 +200,19 @@ class Motion:
         return np.asarray(shifts[0])
 
     # ---------------------------------------------------------------- outputs and checks
+    def _keep_moment(self, shift: np.ndarray, t: float | None = None) -> None:
+        """Keep the curves here; shift: (k,) how the instant changes with the parameters; t: that it counts as [s]."""
+        if self.moments is not None:
+            values, along, _ = self.functions.curves_in_time(self.t, self.z, self._rates.values[:, 0])
+            t = self.t if t is None else t
+            self.moments.append(Moment(t, shift, values, along[:, :-1] + along[:, -1:] * shift))
+
+    def _keep_between(self, t: float, z: np.ndarray) -> None:
+        """Keep the curves at an instant [s] that does not move."""
+        if self.moments is not None:
+            values, slopes, _ = self.functions.curves(t, z)
+            self.moments.append(Moment(t, np.zeros(slopes.shape[1]), values, slopes))
+
     def _keep_outputs(self, states: list[np.ndarray]) -> None:
         for z in states:
             t = float(self.t_eval[len(self.values)])

@@ -19,6 +19,7 @@ from rattle.questions.sensitivity.driven import Driven, positions
 from rattle.questions.sensitivity.functions import Functions
 from rattle.questions.sensitivity.growth import horizon
 from rattle.questions.sensitivity.motion import Motion
+from rattle.questions.sensitivity.nearby import Nearby
 from rattle.questions.sensitivity.of_contacts import require_same_contacts, require_same_start
 from rattle.questions.sensitivity.parameters import Parameters
 from rattle.questions.sensitivity.start import StartDerivatives
@@ -52,16 +53,17 @@ class RepeatedSensitivities:
                 self._start = StartDerivatives(model, compiled)
         compiled.compile()
 
-    def at(self, system: System, start: Assembled, t_eval: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Curves (n, nc) and derivatives (n, nc, k) [SI] at t_eval (n,) [s], of the model with other values.
+    def at(self, system: System, start: Assembled, t_eval: np.ndarray, read_off: np.ndarray) -> Nearby:
+        """Curves and derivatives [SI] at t_eval (n,) [s] and on both sides of events, of the model with other values.
 
-        system, start: of that model.  Raises TraceError where the derivatives do not exist or the run stops.
+        system, start: of that model.  read_off: those of the instants [s] at which no event may be.  Raises TraceError
+        where the derivatives do not exist or the run stops.
         """
         values = {name: system.model.parameters[name].value for name in self.model.parameters}
         model = replace(self.model, system=system, start=start, parameters=values)
         self._require_same_parts(model)
         if self.analysis == "simulate":
-            return self._along_motion(model, t_eval)
+            return self._along_motion(model, t_eval, read_off)
         return self._along_positions(model, t_eval)
 
     def _require_same_parts(self, model: RecordedModel) -> None:
@@ -71,7 +73,7 @@ class RepeatedSensitivities:
         if flag[0, 0] != 1.0:
             raise TraceError("no sensitivities: with these values the model has other parts")
 
-    def _along_motion(self, model: RecordedModel, t_eval: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _along_motion(self, model: RecordedModel, t_eval: np.ndarray, read_off: np.ndarray) -> Nearby:
         functions = self._functions
         z, functions.parameters = self._start.at(model, _alone(model))
         functions.model = model
@@ -82,14 +84,18 @@ class RepeatedSensitivities:
             require_same_start(model, z[:, 0])
             self._touching.begin()
             run = ContactMotion(functions, self._touching, z, *how)
+        run.moments = []
         run.go()
         if run.interrupted:
             raise KeyboardInterrupt
         if run.message:
             raise TraceError(run.message)
-        if isinstance(run, ContactMotion):
-            self._require_contacts(model, run)
-        return np.array(run.values), np.array(run.derivatives)
+        if not isinstance(run, ContactMotion):
+            return Nearby.of(run, read_off)
+        self._require_contacts(model, run)
+        are = run.touching.are
+        rigid = frozenset(joint for joint, is_rigid in zip(are.joints, are.rigid, strict=True) if is_rigid)
+        return Nearby.of(run, read_off, met=run.met, rigid=rigid)
 
     def _require_contacts(self, model: RecordedModel, run: ContactMotion) -> None:
         """Raise TraceError unless derivatives hold to the end of a motion with contacts."""
@@ -103,7 +109,7 @@ class RepeatedSensitivities:
         if run.grazed < run.t:
             raise TraceError(f"a contact only grazes at t = {run.grazed:.6g} s, from there on there are no derivatives")
 
-    def _along_positions(self, model: RecordedModel, t_eval: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _along_positions(self, model: RecordedModel, t_eval: np.ndarray) -> Nearby:
         nominal = analyse(model.system, model.start, t_eval, forces=False)
         if not nominal.success:
             raise TraceError(nominal.message)
@@ -114,7 +120,8 @@ class RepeatedSensitivities:
         instants = [self._driven.at(float(t), *positions(nominal, bodies, k)) for k, t in enumerate(nominal.t)]
         if not all(instant[2] and np.isfinite(instant[1]).all() for instant in instants):
             raise TraceError("no sensitivities: a position is singular, or a load or expression has no derivative")
-        return np.array([instant[0] for instant in instants]), np.array([instant[1] for instant in instants])
+        values, slopes = (np.array([instant[part] for instant in instants]) for part in (0, 1))
+        return Nearby(nominal.t, np.zeros((len(values), slopes.shape[2])), values, slopes)
 
 
 def _alone(model: RecordedModel) -> Parameters:
