@@ -51,6 +51,13 @@ class Linearised:
         outputs = self._columns(np.vstack([np.repeat(x[:, None], dx.shape[1], axis=1), dx]))
         return outputs[: self._count, 0], outputs[self._count :]
 
+    def at_points(self, x: np.ndarray, dx: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The same at n points in one call: (n, n_out) and (n, n_out, k) for x (n, n_in) and dx (n, n_in, k)."""
+        n, n_in, k = dx.shape
+        outputs = self._columns(np.vstack([np.repeat(x.T, k, axis=1), dx.transpose(1, 0, 2).reshape(n_in, n * k)]))
+        slopes = outputs[self._count :].reshape(self._count, n, k)
+        return outputs[: self._count, ::k].T, slopes.transpose(1, 0, 2)
+
 
 def live_without(graph: Graph, outputs: Sequence[Operand], flag: Operand) -> set[int]:
     """Places that outputs depend on while a flag is false."""

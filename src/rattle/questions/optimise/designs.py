@@ -21,17 +21,14 @@ from rattle.errors import AssemblyError, ModelError, SolverError, TraceError
 from rattle.questions.optimise.asked import RTOL, Question
 from rattle.questions.optimise.squares import Square, is_root, squares
 from rattle.questions.sensitivity.nearby import Nearby
+from rattle.questions.sensitivity.numbers import moved_result
 from rattle.questions.sensitivity.repeated import RepeatedSensitivities
-from rattle.results.build import NOTHING_DRAWN
 from rattle.results.contact_summary import no_number
 from rattle.results.evaluation import evaluate, unread_curves
-from rattle.results.event import Event
 from rattle.results.reductions import Output
 from rattle.results.result import Result
-from rattle.results.trust import Trust
 from rattle.solvers.stepper import ATOL
 from rattle.studies.runs.reasons import alike
-from rattle.value_types import Tree
 
 if TYPE_CHECKING:
     from rattle.mechanism import Mechanism
@@ -231,8 +228,8 @@ class Designs:
                 if n == 0 and len(beside) == 2:
                     break
                 h = n * step * width[k]
-                moved = [c if c is None else _result(c[0], geometry, *c[1].moved(k, h)) for c in curves]
-                main = moved[0] if moved[0] is not None else _result([], geometry, t, np.zeros((len(t), 0)))
+                moved = [c if c is None else moved_result(c[0], geometry, *c[1].moved(k, h)) for c in curves]
+                main = moved[0] if moved[0] is not None else moved_result([], geometry, t, np.zeros((len(t), 0)))
                 with suppress(ValueError):  # an instant that moved out of the run
                     beside[n] = numbers(main, question.moved(run.mechanism, name, h), moved[1])
             rows.append(_difference(beside, step))
@@ -311,14 +308,3 @@ def _difference(values: Mapping[int, np.ndarray], h: float) -> np.ndarray:
                 return np.asarray(side * (4.0 * values[side] - values[2 * side] - 3.0 * values[0]) / (2.0 * h))
             return np.asarray(side * (values[side] - values[0]) / h)
     raise LostError("the designs beside it cannot be evaluated")
-
-
-def _result(
-    names: Sequence[str], geometry: Tree, t: np.ndarray, data: np.ndarray, events: Sequence[Event] = ()
-) -> Result:
-    """Curves as a result; geometry: what its joints are."""
-    joints = {**NOTHING_DRAWN, "joints": geometry["joints"]}
-    return Result(
-        t=t, data=data, names=names, units=dict.fromkeys(names, ""), geometry=joints, trust=Trust(drift=0.0),
-        stats={}, provenance={}, events=events,
-    )  # fmt: skip

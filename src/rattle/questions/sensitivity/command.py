@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 @model_command
 @click.option(
     "--of", "outputs", multiple=True, required=True, metavar="NAME",
-    help="A curve, e.g. rocker.angle, coupler.P.x, O3.normal; several with commas, or give the option again.",
+    help="A curve, e.g. rocker.angle, coupler.P.x, O3.normal, or a number such as max(O3.normal); several with commas,"
+    " or give the option again.",
 )  # fmt: skip
 @click.option(
     "--to", "parameters", multiple=True, metavar="NAME",
@@ -54,8 +55,8 @@ def sensitivity(
     named d(rocker.angle)/d(l2), in SI units.
 
     A linear estimate fails where sensitivities grow exponentially: a note then says how fast, and until when it holds.
-    Contacts count too: time(B.contacts,2), speed(...) and peak(...) are outputs. What cannot be followed (oil, wear,
-    clutches) is named: use massless links, or --ideal.
+    Numbers of the whole run are outputs too: max(abs(O3.normal)), mean(...), of contacts time(B.contacts,2), speed(...)
+    and peak(...). What cannot be followed (oil, wear, clutches) is named: use massless links, or --ideal.
 
     FILE is a model file or the name of a shipped example.
 
@@ -124,7 +125,7 @@ def _table(result: Result) -> list[str]:
         mine.sort(key=lambda effect: -effect.size)
         for n, effect in enumerate(mine):
             name = f"d({effect.output})" if n == 0 else ""
-            at = f"{result.t[effect.largest]:.4g} s"
+            at = "whole run" if "(" in output else f"{result.t[effect.largest]:.4g} s"
             rows.append((name, effect.parameter, effect.slope, at, effect.words, effect.effect))
     head = ("", "by", "largest derivative", "at t", "a change by", "moves it by")
     return in_columns([head, *rows])

@@ -32,6 +32,9 @@ from rattle.questions.sensitivity.effects import derivative_name, quotient, usua
 from rattle.questions.sensitivity.functions import Functions
 from rattle.questions.sensitivity.growth import growth, horizon, linear_until
 from rattle.questions.sensitivity.motion import Motion
+from rattle.questions.sensitivity.nearby import Nearby
+from rattle.questions.sensitivity.numbers import curves_of, number_slopes, numbers_in, read_off
+from rattle.questions.sensitivity.numbers import instants as all_instants
 from rattle.questions.sensitivity.of_contacts import (
     contacts_in,
     require_same_contacts,
@@ -41,7 +44,7 @@ from rattle.questions.sensitivity.of_contacts import (
 from rattle.questions.sensitivity.parameters import Parameters
 from rattle.questions.sensitivity.start import counted, start
 from rattle.results.build import build_result
-from rattle.results.reductions import Reduction
+from rattle.results.reductions import Output, Reduction
 from rattle.results.result import Result, UnknownName
 from rattle.results.trust import Trust
 from rattle.solvers.stepper import ATOL
@@ -65,6 +68,7 @@ class Found:
     stats: dict[str, Any] = field(default_factory=dict)
     message: str = ""
     settings: dict[str, Any] = field(default_factory=dict)
+    nearby: Nearby | None = None  # how numbers of the whole run change; None where it does not come to its end
 
 
 @dataclass
@@ -78,6 +82,7 @@ class Asked:
     rtol: float
     atol: float  # [m, rad, m/s, rad/s]
     of_contacts: Mapping[str, Reduction] = field(default_factory=dict)  # those outputs that are of a contact
+    read_off: np.ndarray | None = None  # instants that numbers of the whole run read off [s]; None: there are none
 
     def curves(self, columns: Mapping[str, Operand]) -> tuple[dict[str, Operand], dict[str, str]]:
         """Symbols and SI units of the outputs.  columns: result columns by name."""
@@ -119,7 +124,11 @@ def sensitivity(
     of_contacts = contacts_in(system, outputs, analysis)
     model = _recorded(document, system, begin, parameters, analysis == "simulate")
     asked = Asked(model, Parameters.of(model), outputs, times, rtol, atol, of_contacts)
-    answer, units = FIND[analysis](asked)
+    numbers = numbers_in(model, outputs, of_contacts)
+    if numbers:
+        answer, units = _with_numbers(asked, numbers, analysis)
+    else:
+        answer, units = FIND[analysis](asked)
     answer.stats["wall_time"] = time.perf_counter() - began
     result = _result(asked, analysis, answer, units)
     if strict and answer.message:
@@ -184,6 +193,33 @@ def _recorded(
     return model
 
 
+def _with_numbers(asked: Asked, numbers: Mapping[str, Output], analysis: str) -> tuple[Found, dict[str, str]]:
+    """What is found where some outputs are numbers of the whole run, which are the same at every instant."""
+    if analysis == "equilibrium":
+        raise InputError(f"{next(iter(numbers))!r}: a number of a whole motion; an equilibrium has curves only")
+    kept = read_off(numbers, {name: p.value for name, p in asked.model.system.model.parameters.items()})
+    times = all_instants(asked.t_eval, kept, 0.0 if analysis == "simulate" else float(asked.t_eval[0]))
+    plain = [name for name in asked.outputs if name not in numbers]
+    curves = [name for name in curves_of(numbers) if name not in plain]
+    answer, units = FIND[analysis](replace(asked, outputs=(*plain, *curves), t_eval=times, read_off=kept))
+    found, k = {}, answer.derivatives.shape[2]
+    names = [name for name in (*plain, *curves) if name not in asked.of_contacts]
+    if answer.nearby is not None:
+        found = number_slopes(numbers, asked.model, names, answer.nearby)
+    else:
+        notes = (*answer.trust.notes, f"no derivative of {', '.join(numbers)}: they are of the whole run")
+        answer.trust = replace(answer.trust, notes=notes)
+    rows = np.isin(times[: len(answer.values)], asked.t_eval)
+    columns = {name: (answer.values[rows, n], answer.derivatives[rows, n]) for n, name in enumerate(plain)}
+    for text, output in numbers.items():
+        value, slopes = found.get(text, (np.nan, np.full(k, np.nan)))
+        columns[text] = np.full(rows.sum(), value), np.tile(slopes, (rows.sum(), 1))
+        units[text] = output.unit
+    answer.values = np.array([columns[name][0] for name in asked.outputs]).T
+    answer.derivatives = np.array([columns[name][1] for name in asked.outputs]).transpose(1, 0, 2)
+    return answer, units
+
+
 # ---------------------------------------------------------------- the analyses
 def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
     model = asked.model
@@ -196,6 +232,7 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
         require_same_start(model, z[:, 0])
     how = asked.t_eval, asked.rtol, asked.atol
     run = Motion(functions, z, *how) if touching is None else ContactMotion(functions, touching, z, *how)
+    run.moments = None if asked.read_off is None else []
     run.go()
     notes, reach = _growth_notes(asked, run)
     if isinstance(run, ContactMotion) and run.t > 0.0:
@@ -208,7 +245,10 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
     stats = {"steps": run.steps, "rejected": run.rejected, "switchings": run.switched}
     if run.interrupted:
         stats["interrupted"] = True
-    n = len(run.values)
+    n, nearby = len(run.values), None
+    grazed = isinstance(run, ContactMotion) and run.grazed < run.t
+    if asked.read_off is not None and not (run.message or grazed or reach < run.t):
+        nearby = Nearby.of(run, asked.read_off)
     values, derivatives = np.array(run.values).reshape(n, count), np.array(run.derivatives).reshape(n, count, k)
     if isinstance(run, ContactMotion):
         own = {name: (values[:, c], derivatives[:, c]) for c, name in enumerate(curves)}
@@ -216,8 +256,9 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
         units |= {name: reduction.unit for name, reduction in asked.of_contacts.items()}
         trust = replace(trust, notes=(*trust.notes, *more))
     return Found(
-        values, derivatives, trust, stats, run.message, {"method": "dop853", "rtol": asked.rtol, "atol": asked.atol}
-    ), units
+        values, derivatives, trust, stats, run.message, {"method": "dop853", "rtol": asked.rtol, "atol": asked.atol},
+        nearby,
+    ), units  # fmt: skip
 
 
 def _growth_notes(asked: Asked, run: Motion) -> tuple[list[str], float]:
@@ -309,7 +350,8 @@ def _checked(asked: Asked, nominal: Result, instants: list[tuple[np.ndarray, np.
         scale = max(np.abs(want).max(initial=0.0), _typical(asked, nominal, name))
         if (np.abs(values[:, n] - want) > SAME * scale).any():
             raise TraceError(f"no sensitivities: the recorded '{name}' differs from the analysis; a fault of rattle")
-    return Found(values, derivatives, trust, {"positions": len(values)}, message)
+    nearby = None if message else Nearby(nominal.t, np.zeros((len(values), k)), values, derivatives)
+    return Found(values, derivatives, trust, {"positions": len(values)}, message, nearby=nearby)
 
 
 def _typical(asked: Asked, nominal: Result, name: str) -> float:

@@ -25,6 +25,15 @@ class Rates(NamedTuple):
     sides: np.ndarray  # (ns,) on which side of its switch every expression is
 
 
+class Outputs(NamedTuple):
+    """Curves at n instants."""
+
+    values: np.ndarray  # (n, nc)
+    slopes: np.ndarray  # (n, nc, k)
+    sound: np.ndarray  # (n,) they stand on sound assumptions
+    moved: np.ndarray  # (n, bodies, 3) by which positions were off the constraints still [m, m, rad]
+
+
 class Functions:
     """Functions of one model at the values of its parameters.
 
@@ -81,6 +90,27 @@ class Functions:
         """Curves (nc,), their derivatives (nc, k), and whether they are sound."""
         values, along = self._curves(*self.at(t, z))
         return values[:-1], along[:-1], values[-1] == 1.0
+
+    def outputs(self, t: np.ndarray, z: np.ndarray) -> Outputs:
+        """What is kept of states z (n, ny, 1 + k) at the instants t (n,) [s]."""
+        closed, sound = self._all_projected(t, z)
+        values, slopes = self._curves.at_points(*self._points(t, closed))
+        sound &= values[:, -1] == 1.0
+        again, _ = self._all_projected(t, closed)
+        moved = np.abs(again - closed)[:, : 3 * self.model.system.body_count, 0].reshape(len(t), -1, 3)
+        return Outputs(values[:, :-1], slopes[:, :-1], sound, moved)
+
+    def _all_projected(self, t: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        values, along = self._project.at_points(*self._points(t, z))
+        return np.concatenate([values[:, :-1, None], along[:, :-1]], axis=2), values[:, -1] == 1.0
+
+    def _points(self, t: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Inputs (n, n_in) of the graph, and how they change (n, n_in, k)."""
+        n, along = len(t), np.vstack([self.parameters.along, self.energy_rates[None]])
+        constant = np.append(self.parameters.inputs, self.energy)
+        x = np.concatenate([t[:, None], z[:, :, 0], np.tile(constant, (n, 1))], axis=1)
+        still = np.zeros((n, 1, along.shape[1]))
+        return x, np.concatenate([still, z[:, :, 1:], np.broadcast_to(along, (n, *along.shape))], axis=1)
 
     def energies(self, t: float, z: np.ndarray) -> np.ndarray:
         """Kinetic and potential energy, work, energy dissipated, balance [J]."""

@@ -214,19 +214,18 @@ class Motion:
             self.moments.append(Moment(t, np.zeros(slopes.shape[1]), values, slopes))
 
     def _keep_outputs(self, states: list[np.ndarray]) -> None:
-        for z in states:
-            t = float(self.t_eval[len(self.values)])
-            closed, sound = self.functions.projected(t, z)
-            values, derivatives, sound_curves = self.functions.curves(t, closed)
-            if not (sound and sound_curves and np.isfinite(values).all() and np.isfinite(derivatives).all()):
-                self.message = f"stopped at t = {t:.6g} s: {UNSOUND}"
-                return
-            again, _ = self.functions.projected(t, closed)
-            off = np.abs(again - closed)[: 3 * self.functions.model.system.body_count, 0].reshape(-1, 3)
-            self.drift = max(self.drift, float(off[:, :2].max(initial=0.0)))
-            self.drift_angle = max(self.drift_angle, float(off[:, 2].max(initial=0.0)))
-            self.values.append(values)
-            self.derivatives.append(derivatives)
+        if not states:
+            return
+        t = self.t_eval[len(self.values) : len(self.values) + len(states)]
+        values, slopes, sound, moved = self.functions.outputs(t, np.array(states))
+        sound = sound & np.isfinite(values).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2))
+        count = len(t) if sound.all() else int(np.argmin(sound))
+        if count < len(t):
+            self.message = f"stopped at t = {t[count]:.6g} s: {UNSOUND}"
+        self.drift = max(self.drift, float(moved[:count, :, :2].max(initial=0.0)))
+        self.drift_angle = max(self.drift_angle, float(moved[:count, :, 2].max(initial=0.0)))
+        self.values += list(values[:count])
+        self.derivatives += list(slopes[:count])
 
     def _note(self, z: np.ndarray) -> None:
         """Energy and size of the derivatives after a step."""

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from rattle.errors import TraceError
-from rattle.questions.sensitivity.contacts import Met
+from rattle.questions.sensitivity.contacts import ContactMotion, Met
 from rattle.questions.sensitivity.motion import Motion
 from rattle.results.event import Event
 
@@ -34,7 +33,7 @@ class Nearby:
     rigid: frozenset[str] = field(default_factory=frozenset)  # joints whose contacts are rigid
 
     @classmethod
-    def of(cls, run: Motion, read_off: np.ndarray, **contacts: Any) -> Nearby:
+    def of(cls, run: Motion, read_off: np.ndarray) -> Nearby:
         """Those of a motion: outputs, and both sides of events.
 
         read_off: instants [s] that rows must keep.  Raises TraceError where an event comes at one of them.
@@ -61,7 +60,11 @@ class Nearby:
             slopes = np.concatenate([slopes, np.array([moment.slopes for moment in moments])[kept]])[order]
         else:
             shift = np.zeros((len(t), k))
-        return cls(t, shift, values, slopes, **contacts)
+        if not isinstance(run, ContactMotion):
+            return cls(t, shift, values, slopes)
+        are = run.touching.are
+        rigid = frozenset(joint for joint, is_rigid in zip(are.joints, are.rigid, strict=True) if is_rigid)
+        return cls(t, shift, values, slopes, run.met, rigid)
 
     def reach(self, k: int) -> float:
         """The largest change of parameter k [SI] that moves no event too far."""

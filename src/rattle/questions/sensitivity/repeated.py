@@ -90,12 +90,9 @@ class RepeatedSensitivities:
             raise KeyboardInterrupt
         if run.message:
             raise TraceError(run.message)
-        if not isinstance(run, ContactMotion):
-            return Nearby.of(run, read_off)
-        self._require_contacts(model, run)
-        are = run.touching.are
-        rigid = frozenset(joint for joint, is_rigid in zip(are.joints, are.rigid, strict=True) if is_rigid)
-        return Nearby.of(run, read_off, met=run.met, rigid=rigid)
+        if isinstance(run, ContactMotion):
+            self._require_contacts(model, run)
+        return Nearby.of(run, read_off)
 
     def _require_contacts(self, model: RecordedModel, run: ContactMotion) -> None:
         """Raise TraceError unless derivatives hold to the end of a motion with contacts."""
