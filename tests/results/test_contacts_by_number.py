@@ -134,3 +134,15 @@ def test_what_is_no_contact_is_refused(text, said):
 def test_where_nothing_touches_there_is_no_contact():
     with pytest.raises(ModelError, match="no joint has contacts, of which there is a time"):
         rt.loads(ball().split("stop =")[0]).many({"h": [1.0]}, ["time(rail.contacts, 1)"], 0.1)
+
+
+def test_a_small_drop_beside_far_ground_points_is_a_drop():
+    """A ball 0.18 mm above its stop, in a mechanism of 200 m."""
+    h = 1.8e-4
+    m = rt.loads(ball(h=h).replace("S = [0, -2]", "S = [200, -2]"))
+    t1 = math.sqrt(2.0 * h / G)
+    hits = [event.t for event in m.simulate(3.0 * t1).events]
+    assert hits == pytest.approx([t1, 2.6 * t1], rel=1e-8)
+    assert m.many({"h": [h]}, ["time(rail.contacts, 2)"], t_end=3.0 * t1)["time(rail.contacts, 2)"] == pytest.approx(
+        2.6 * t1, rel=1e-8
+    )

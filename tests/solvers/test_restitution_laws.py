@@ -15,7 +15,7 @@ def struck(law, e, mu, spin=0.0, slide=-1.0, arm=(0.6, -0.8), inertia=0.08, corn
     lowest place of a bush of 1 m; or, with corners, the wall of a guide and the end a block of 0.1 mm with two corners.
     """
     x, y = arm
-    above = -1 + 1e-7 - y  # a hit within a millionth of the clearance is one at once
+    above = -1 + 1e-10 - y  # a hit within a billionth of the mechanism is one at once
     joint = """type = "revolute"
 contact = { bush_radius = 1.000001, """
     if corners:

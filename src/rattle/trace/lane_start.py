@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from rattle.jit import layout as at
-from rattle.solvers.nonsmooth.event_driven import START_NEAR
+from rattle.solvers.nonsmooth.event_driven import START_NEAR, START_SIZE
 from rattle.trace.lane_contacts import HELD_STARTS, LANE, Ends, Meets, Row
 from rattle.trace.lane_control import Status
 from rattle.trace.lane_program import Program
@@ -125,9 +125,9 @@ class Stock:
         """Rigid contacts: those at their walls hit if one does, else they decide; a clutch may be struck shut."""
         near = {}
         for n in meets.rigid:
-            size = _size(meets, n, state)
-            near[n] = (rows[n] <= START_NEAR * size) & (held[n]["calm"] <= 0.0)
-            apart[n] = rows[n] > -START_NEAR * size
+            at_wall = np.minimum(START_NEAR * _size(meets, n, state), START_SIZE * _size(meets, n, state, at.GAP_SIZE))
+            near[n] = (rows[n] <= at_wall) & (held[n]["calm"] <= 0.0)
+            apart[n] = rows[n] > -at_wall
             if meets.table[n, at.LEVEL]:
                 apart[n] = True
         hits = {n: near[n] & (held[n]["calm"] < 0.0) for n in meets.rigid}
@@ -184,9 +184,9 @@ class Stock:
         return 2 if self.program.method.adaptive else 1
 
 
-def _size(meets: Meets, n: int, state: np.ndarray) -> Any:
-    """Size of the gap of a contact [m or rad], of each sample if these differ."""
-    scale = meets.lever[n][at.GAP_SCALE]
+def _size(meets: Meets, n: int, state: np.ndarray, column: int = at.GAP_SCALE) -> Any:
+    """Size of the gap of a contact [m or rad], or of the mechanism (GAP_SIZE), of each sample if these differ."""
+    scale = meets.lever[n][column]
     return state[scale.place] if isinstance(scale, Row) else scale
 
 

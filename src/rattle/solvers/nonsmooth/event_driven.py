@@ -41,6 +41,7 @@ from rattle.solvers.state_switches import follow_jump
 from rattle.solvers.step_control import first_step, never_switches
 
 START_NEAR = 1e-6  # share of its scale within which a contact given at its wall is put there
+START_SIZE = 1e-9  # the same of the size of the mechanism, where that is less: stops and surfaces without play
 MOST_AT_ONCE = 60  # events without progress in time after which a run stops
 MOST_IN_A_ROW = 200_000  # events, each after less than CROWDED of the run, after which it stops too
 CROWDED = 1e-6
@@ -61,7 +62,7 @@ def start(m, t):
         if contact[n, at.LEVEL] == 1:
             who = n if contact[n, at.IMPACT] == 1 and takes_impulses(m, n) and gets_ahead(m, n) else who
             continue
-        near = max(START_NEAR * scale_of(m, n), 4.0 * noise(m, n))
+        near = max(min(START_NEAR * scale_of(m, n), START_SIZE * m.lever[n, at.GAP_SIZE]), 4.0 * noise(m, n))
         if contact[n, at.IMPACT] == 0 or mode[n] != OFF or kinematics[n, at.GAP] > near:
             continue
         if nearest < 0 or kinematics[n, at.GAP] < kinematics[nearest, at.GAP]:
