@@ -28,3 +28,36 @@ def test_a_leg_that_its_friction_holds_stays():
     assert held.success, held.message
     assert np.abs(held["crank.omega"]).max() < 1e-10
     assert np.ptp(held["crank.angle"]) < 1e-10
+
+
+FOURBAR = """
+format = 1
+parameters = {{ since = {since} }}
+gravity = ["{fx}*{ramp}", "{fy}*{ramp}"]
+ground.points = {{ O = [0, 0], Q = [0.4, 0] }}
+bodies.a = {{ points = {{ P = [0, 0], Q = [0.1, 0] }}, mass = 1, inertia = 0.01 }}
+bodies.b = {{ points = {{ P = [0, 0], Q = [0.35, 0] }}, mass = 1.5, inertia = 0.02, center = [0.15, 0.01] }}
+bodies.c = {{ points = {{ P = [0, 0], Q = [0.25, 0] }}, mass = 0.7, inertia = 0.01 }}
+initial.a = {{ angle = {angle}, omega = 0 }}
+initial.c = {{ angle = 1.5 }}
+joints.A = {{ type = "revolute", connect = ["ground.O", "a.P"], friction = {{ mu = {mu}, pin_radius = {r} }} }}
+joints.B = {{ type = "revolute", connect = ["a.Q", "b.P"], friction = {{ mu = {mu}, pin_radius = {r} }} }}
+joints.C = {{ type = "revolute", connect = ["b.Q", "c.Q"], friction = {{ mu = {mu}, pin_radius = {r} }} }}
+joints.D = {{ type = "revolute", connect = ["ground.Q", "c.P"], friction = {{ mu = {mu}, pin_radius = {r} }} }}
+loads.turn = {{ type = "torque", body = "a", torque = "{torque}*{ramp}" }}
+"""
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_mechanism_without_force_begins_to_move_when_its_loads_begin(seed):
+    """All joints rest without any force, until all forces begin at once: as from the start on, but later."""
+    rng = np.random.default_rng(seed)
+    ramp = ("max(0, t - since)", "min(1, max(0, (t - since)/0.05))", "max(0, t - since)**2")[seed % 3]
+    form = {"mu": rng.uniform(0.05, 0.25), "r": rng.uniform(0.003, 0.02), "angle": rng.uniform(0.3, 2.8), "ramp": ramp}
+    form |= {"fx": rng.uniform(-9.0, 9.0), "fy": rng.uniform(-9.0, 9.0), "torque": rng.uniform(-1.0, 1.0)}
+    ends = []
+    for since in (0.0, rng.uniform(0.01, 0.1)):
+        run = rt.loads(FOURBAR.format(since=since, **form)).simulate(since + 0.3, t_eval=[0.0, since + 0.3], rtol=1e-9)
+        assert run.success, run.message
+        ends.append(run["a.angle"][-1])
+    assert ends[1] == pytest.approx(ends[0], abs=1e-7)

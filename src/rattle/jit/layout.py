@@ -254,7 +254,8 @@ DRY_UNSURE = column("dry_memory", "", "1 once its force could have been another 
 IMPACT_MODE = column("dry_memory", "", "mode in an impact, see `rubbing_impacts`")
 IMPACT_ALONE = column("dry_memory", "N*s or N*m*s", "part of its impulse that those of contacts do not cause")
 IMPACT_FRICTION = column("dry_memory", "N*s or N*m*s", "its impulse")
-DRY_SOUGHT = column("dry_memory", "", "1 while the instant is sought from which its mode cannot last")
+DRY_SOUGHT = column("dry_memory", "",
+    "1 while the instant is sought from which its mode cannot last; then the sense of its force there")
 DRY_PRESSED = column("dry_memory", "",
     "1 while closed contacts hold its coordinate at rest, against whatever friction does")
 DRY_PRESS = column("dry_memory", "N", "of DRY_ROLLER: N of its contact, as far as it is known")

@@ -326,6 +326,14 @@ def note_decision(m, t, told):
             tell(m, t, n)
 
 
+@compiled
+def breaking_force(m, n):
+    """Friction that joint n does not bear any more: of the sense that it was found with where it is rounding here."""
+    memory = m.dry_memory
+    found = memory[n, at.DRY_SOUGHT]
+    return memory[n, at.DRY_FORCE] if found == 0.0 or abs(memory[n, at.DRY_FORCE]) > limit(m, n) else found
+
+
 @native("i", "h", "f", "v", "i", "i")
 def decide(m, t, y, who, told):
     """Modes of all joints at (t [s], y), whose rates are brought to rest where they stick; False if there are none.
@@ -336,7 +344,7 @@ def decide(m, t, y, who, told):
     memory = m.dry_memory
     breaks = who >= 0 and memory[who, at.DRY_MODE] == at.DRY_STICKS and memory[who, at.DRY_HELD] == 0.0
     solve_at(m, t, y)
-    sense = -math.copysign(1.0, memory[who, at.DRY_FORCE]) if breaks else 0.0
+    sense = -math.copysign(1.0, breaking_force(m, who)) if breaks else 0.0
     note_modes(m, t, who)
     come_to_rest(m, t, y)
     first_modes(m, t, who)
@@ -422,7 +430,10 @@ def seek_changes(m):
 
 @compiled
 def locate_change(m, t, h, low, right):
-    """Share of the step between low and right at which the first mode sought cannot last, and the joint."""
+    """Share of the step between low and right at which the first mode sought cannot last, and the joint.
+
+    The sense of its force there is kept: the instant may be the start of the step, where the force is none yet.
+    """
     high, who, count = right, -1, m.dry_memory.shape[0]
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
@@ -440,6 +451,7 @@ def locate_change(m, t, h, low, right):
     for n in range(count):
         if who < 0 and (past(m, n) or (high == right and lasting(m, n) < 0.0)):
             who = n
+            m.dry_memory[n, at.DRY_SOUGHT] = math.copysign(1.0, m.dry_memory[n, at.DRY_FORCE])
     return high, who
 
 

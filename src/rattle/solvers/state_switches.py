@@ -24,6 +24,7 @@ ACCEPT, REPEAT, SLIDES = 0, 1, 22  # the step is accepted; it is repeated; a swi
 PARTS = 16  # pieces of a step that are searched
 ENDLESS = 200  # switchings without progress in time after which a run stops
 CLOSE = 1e-7  # share of a step that does not count as progress
+AHEAD = 1e-15  # share of the time by which modes are decided later: where loads begin all forces are zero just at it
 AT_END = 1e-13  # share of the run by which a step may end after a switch and be accepted as one that ends at it
 
 
@@ -223,7 +224,8 @@ def turn(m, t, y, who, h):
     if m.dry.shape[0] > 0:
         landing[at.TURNS] += 1.0
         stay_at_rest(m, t, y)
-        decide(m, t, y, who - switch.shape[0] if who >= switch.shape[0] else -1, 1)
+        mine = who >= switch.shape[0]
+        decide(m, t * (1.0 + AHEAD) if mine else t, y, who - switch.shape[0] if mine else -1, 1)
     landing[at.AGAIN] = landing[at.AGAIN] + 1.0 if again else 0.0
     landing[at.LAST_TURN] = t
 
