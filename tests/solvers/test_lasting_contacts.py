@@ -216,3 +216,37 @@ def test_a_slip_that_nearly_ends_as_it_reverses_does_not_change_modes_without_en
     for end in (0.0019, 0.003, 0.01):
         run = m.simulate(end, rtol=rtol, t_eval=[0.0, end])
         assert run.success, run.message
+
+
+BLOCK = """
+format = 1
+parameters = {{ since = {since}, mu = 0.2 }}
+gravity = ["{along}*{ramp}", "{across}*{ramp}"]
+ground.points = {{ F = [0, 0] }}
+bodies.b = {{ points = {{ C = [0, -0.05], P = [-0.1, -0.05], Q = [0.1, -0.05] }}, mass = 1, inertia = 0.005 }}
+initial.b = {{ x = 0, y = 0.05, angle = 0, vx = 0, vy = 0, omega = 0 }}
+[joints.floor]
+type = "surface"
+connect = ["ground.F", "b.C"]
+axis = "0 deg"
+corners = ["P", "Q"]
+contact = {{ model = "impact", restitution = 0.3, friction = "mu" }}
+"""
+
+
+@pytest.mark.parametrize(("ramp", "grows"), [("max(0, t - since)", 1), ("max(0, t - since)**2", 2)])
+@pytest.mark.parametrize("since", [0.0, 0.137])
+@pytest.mark.parametrize(("along", "across"), [(3, -9), (1, -9), (-9, -2), (3, 9)])
+def test_a_block_that_nothing_presses_slides_sticks_or_flies_when_gravity_begins(ramp, grows, since, along, across):
+    """It lies on its floor without any force; force and friction begin at once."""
+    end = 0.3
+    m = rt.loads(BLOCK.format(since=since, along=along, across=across, ramp=ramp))
+    r = m.simulate(since + end, t_eval=[0.0, since + end], rtol=1e-9)
+    assert r.success, r.message
+    way = end ** (grows + 2) / ((grows + 1) * (grows + 2))  # of a unit of acceleration
+    pressed = max(0.0, -across)
+    slides = max(0.0, abs(along) - 0.2 * pressed)
+    assert r["b.x"][-1] == pytest.approx(np.sign(along) * slides * way, rel=1e-6, abs=1e-10)
+    assert r["b.y"][-1] == pytest.approx(0.05 + max(0.0, across) * way, rel=1e-9)
+    assert abs(r["b.angle"][-1]) < 1e-9
+    assert sum(event.energy_lost for event in r.events) == pytest.approx(0.0, abs=1e-12)
