@@ -122,3 +122,70 @@ def test_a_table_that_goes_on_for_ever_is_not_read_before_its_beginning():
     assert "outside of the table 'once'" in m.simulate(0.2).message
     found = m.many({"k": [9.0, 10.0]}, t_end=0.2, outputs=["final(b.angle)"])
     assert "outside of the table 'once'" in found.messages[0]
+
+
+def slider_crank(driver, gravity="[0, -9.81]"):
+    """Moved by a driver, or hanging."""
+    return rt.loads(f"""
+format = 1
+gravity = {gravity}
+parameters = {{ r = 0.1, l = 0.3, v = 8.0, up = 0.12 }}
+tables.line = {{ x = [0, 0.1, 0.3, 0.5], y = [0, 5, 2, 7], units = ["s", "rad/s"] }}
+tables.soft = {{ x = [0, 0.1, 0.3, 0.5], y = [0, 0.4, 1, 3], units = ["s", "rad"], kind = "monotone" }}
+tables.wave = {{ x = [0, 0.05, 0.1, 0.15], y = [0, 5, 2, 0], units = ["s", "rad/s"], period = 0.15 }}
+ground.points.O = [0, 0]
+bodies.crank = {{ points = {{ P = [0, 0], Q = ["r", 0] }}, mass = 1, inertia = 0.01 }}
+bodies.rod = {{ points = {{ P = [0, 0], Q = ["l", 0] }}, mass = 1, inertia = 0.01 }}
+bodies.slider = {{ points = {{ C = [0, 0] }}, mass = 1, inertia = 0.01 }}
+joints.O = {{ type = "revolute", connect = ["ground.O", "crank.P"] }}
+joints.A = {{ type = "revolute", connect = ["crank.Q", "rod.P"] }}
+joints.B = {{ type = "revolute", connect = ["rod.Q", "slider.C"] }}
+joints.G = {{ type = "prismatic", connect = ["ground.O", "slider.C"], angle = 0 }}
+{f'drivers.motor = {{ joint = "O", {driver} }}' if driver else "initial.crank = { angle = 0.3, omega = 0 }"}
+""")
+
+
+DRIVERS = [
+    'speed = "v*min(t/up, 1)"', 'speed = "v*max(0, t - up)"', 'speed = "v*abs(sin(20*t))"', 'speed = "line(t)"',
+    'speed = "wave(t)"', 'angle = "soft(t)"', 'angle = "v*max(0, t - up)**2"',
+    'angle = "v*t**2/2/up if t < up else (v*(t - up/2) if t < 3*up else 2.5*up*v + v*(t - 3*up) - v*(t - 3*up)**2)"',
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("driver", DRIVERS)
+def test_drivers_whose_acceleration_jumps(driver):
+    """Ramps, tables and pieces of functions that fit: the instants differ from sample to sample."""
+    outputs = ["final(slider.x)", "max(O.force)", "final(slider.vx)", "final(energy.work)"]
+    assert_alike(slider_crank(driver), {"up": np.array([0.11, 0.13])}, outputs, 0.45, rel=1e-7, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    "gravity", ['["0", "-9.81*min(1, t/up)"]', '["9.81*sin(max(0, t - up))", "-9.81*cos(max(0, t - up))"]']
+)
+def test_gravity_that_has_a_kink(gravity):
+    outputs = ["final(slider.x)", "max(O.force)", "final(energy.work)"]
+    assert_alike(slider_crank("", gravity), {"up": np.array([0.11, 0.13])}, outputs, 0.45, rel=1e-7, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("driver", "gravity"),
+    [
+        ('angle = "max(0, v*(t - up))"', "[0, 0]"),
+        ('speed = "v*floor(1 + 5*t)"', "[0, 0]"),
+        ("", '[0, "-9.81 if t > up else 0"]'),
+    ],
+)
+def test_jolts_are_followed_alone(driver, gravity):
+    a = slider_crank(driver, gravity).many({"up": [0.11, 0.13]}, ["final(slider.x)"], t_end=0.25)
+    assert list(a.generic) == [0, 1]
+    assert "a jump of a driver or its speed, or of gravity" in str(a)
+    assert np.isfinite(a["final(slider.x)"]).all()
+
+
+@pytest.mark.parametrize(
+    "motor", ['speed = "speed*min(1, t/0.004)"', 'speed = "speed*(2*t/0.004 if t < 0.002 else 1)"']
+)
+def test_a_motor_that_runs_up_rattles_as_alone(motor):
+    m = rt.loads(rt.example("slider_crank_play").to_toml().replace('angle = "speed*t"', motor))
+    outputs = ["final(slider.x)", "time(B.contacts, 3)", "speed(B.contacts, 3)", "count(B.contacts)"]
+    assert_alike(m, {"c": m.parameters["c"] * np.array([0.9, 1.1])}, outputs, 0.006, rel=1e-6)

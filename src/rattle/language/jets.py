@@ -162,6 +162,12 @@ def operate_jet(op, side, table, k, stack, top):
 
 
 @compiled
+def run_jet(code, row, const, stack, top):
+    """The operation in a row of a program on the last jets of a stack, see `operate_jet`."""
+    return operate_jet(code[row, 0], code[row, SIDE], const, code[row, 1], stack, top)
+
+
+@compiled
 def evaluate_jet(code, const, first, last, t, jets, stack, out):
     """Value, first and second time derivative [SI] of the program in rows first..last-1 at time t [s], into out (3,).
 
@@ -182,6 +188,6 @@ def evaluate_jet(code, const, first, last, t, jets, stack, out):
             for n in range(3):
                 stack[top + n] = jets[k, n]
         else:
-            top = operate_jet(op, code[row, SIDE], const, k, stack, top)
+            top = run_jet(code, row, const, stack, top)
     for n in range(3):
         out[n] = stack[n]

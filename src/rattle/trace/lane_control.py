@@ -38,6 +38,7 @@ class Status(IntEnum):
     STEP_TOO_SMALL = 6
     CONTACTS = 7
     PRESSED = 8
+    JOLT = 9
 
     @property
     def words(self) -> str:
@@ -55,6 +56,7 @@ WORDS = {
     Status.STEP_TOO_SMALL: "needs steps that are too short",
     Status.CONTACTS: "comes to more contacts at once than straight-line code follows, or what turns does not settle",
     Status.PRESSED: "is pressed into a wall at its start",
+    Status.JOLT: "comes to a jump of a driver or its speed, or of gravity, which only single runs follow",
 }
 
 
@@ -128,6 +130,7 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         lane = Lane(running, good, fits, still, control[-1], ahead, planned, kept)
         turned = meeting.turn(proposed, lane)
         reached = select(turned.lost, float(Status.CONTACTS), reached)
+        reached = select(turned.jolted, float(Status.JOLT), reached)
         reached = select(turned.unkept, float(Status.ASSUMPTION), reached)
         ahead = meeting.ahead(turned, stops.short)
     landed = good & last

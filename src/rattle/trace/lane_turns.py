@@ -43,6 +43,7 @@ class Turned(NamedTuple):
     landing: Operand  # number of tries that were to end at a contact
     lost: Flag  # a flag: the lane does not get on
     decided: Flag  # the joints that rub have modes that can last
+    jolted: Flag  # what drives it jumps
     unkept: Flag  # its stages have failed too often
 
 
@@ -195,7 +196,8 @@ class Meeting:
         unkept = values["unsound"] > float(MOST_UNSOUND)
         decided = apply("not", _any(shut[n] > 2.5 for n in others) | jumps)
         lost = lost | (values["tried"] > float(MOST_TURNS))
-        return Turned(state, ahead, one(turns | (flags.good & waits)), landings, lost, decided, unkept)
+        jolted = flags.good & self._jolts(still)
+        return Turned(state, ahead, one(turns | (flags.good & waits)), landings, lost, decided, jolted, unkept)
 
     def _held(self, still: Flag) -> list[tuple[list[Operand], list[Operand]]]:
         """HELD_STARTS of the next step, and those of this one."""
@@ -364,6 +366,11 @@ class Meeting:
         )  # it leaves at once
         turns = select_flag(still, jumped, self.met.spent[k] > 0.0)
         return turns, select(still, select(jumped, DECIDES, SHUT), code), select(turns, -side, side)
+
+    def _jolts(self, still: Flag) -> Flag:
+        """Whether a driver or gravity jumps with an expression that switches now, which only single runs follow."""
+        calm = dict(zip(self.meets.held, self.ends.held["calm"], strict=True))
+        return _any(self._switching(n, still)[0] & (calm[n] > 0.5) for n in self.meets.switching)
 
     def _beyond(self, n: int) -> Operand:
         """How far the force of a joint that sticks is above its limit, as a share; 0 if it is not."""

@@ -96,7 +96,7 @@ class RecordedContacts:
         if self.rubbing is not None:
             self.rubbing.modes = dict(zip(rubs, self.speed[first:last], strict=True))
         if self.switches is not None:
-            self.switches.sides = self.speed[last:]
+            self.switches.sides = list(self.speed[last:])
 
     def _require_able(self, n: int, values: np.ndarray, alone: bool) -> None:
         """Raise TraceError for a contact that cannot be recorded; alone: there is one rigid one, and it is smooth."""

@@ -33,8 +33,10 @@ def recorded_knots(table: Sequence[Operand], k: int, x: Operand) -> Operand:
     return turns * float(n) + here
 
 
-def recorded_segment(table: Sequence[Operand], k: int, segment: Operand, x: Operand) -> tuple[Operand, Operand]:
-    """Value at x by one segment, as `table_reading.on_segment`, and at which share of this segment x is."""
+def recorded_segment(
+    table: Sequence[Operand], k: int, segment: Operand, x: Operand
+) -> tuple[tuple[Operand, Operand, Operand], Operand]:
+    """Value and derivatives at x by one segment, as `table_reading.on_segment`; at which share of this segment x is."""
     knots, n = _knots(table, k)
     period = table[k + PERIOD]
     if isinstance(period, Symbol) or period > 0.0:
@@ -44,7 +46,7 @@ def recorded_segment(table: Sequence[Operand], k: int, segment: Operand, x: Oper
     left, right = knots[0], knots[1]
     for i, flag in enumerate(beyond, 1):
         left, right = select(flag, knots[i], left), select(flag, knots[i + 1], right)
-    return _on_segment(table, k, knots, beyond, x)[0], (x - left) / (right - left)
+    return _on_segment(table, k, knots, beyond, x), (x - left) / (right - left)
 
 
 def _knots(table: Sequence[Operand], k: int) -> tuple[list[Operand], int]:

@@ -19,6 +19,7 @@ from rattle.equations import motion, schur, state
 from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.jit import choices, layout
+from rattle.jit import layout as at
 from rattle.jit.functions import KernelFunction
 from rattle.jit.workspace import ARRAYS
 from rattle.language import bytecode as code
@@ -28,7 +29,7 @@ from rattle.trace.graph import Graph, Symbol, both, select
 from rattle.trace.recorded_contacts import Impact, RecordedContacts
 from rattle.trace.recorded_friction import RecordedFriction
 from rattle.trace.recorded_language import Copies
-from rattle.trace.recorded_switches import RecordedSwitches
+from rattle.trace.recorded_switches import Driven, RecordedSwitches
 from rattle.trace.recorded_table import recorded_table
 from rattle.trace.symbol_arrays import arrays
 from rattle.value_types import Plain
@@ -207,6 +208,20 @@ class Recording:
         rate = np.zeros(len(y), dtype=object)
         self.run(motion.derivative, t, y, rate)
         return list(rate)
+
+    def driven(self, workspace: SimpleNamespace, t: Operand) -> list[Driven]:
+        """What drivers prescribe at t [s], and gravity that is a function of time."""
+        values = workspace.values
+        self._recorder.recorded(motion.drive.python)(workspace, t)
+        found = []
+        for row in workspace.jet:
+            k = row[at.TARGET]
+            travels = row[at.TRAVEL] >= 0
+            found.append(Driven(0.0 if travels else values[k], values[k + 1], values[k + 2]))
+        if len(workspace.falling):
+            self._recorder.recorded(motion.fall.python)(workspace, t)
+            found += [Driven(values[row[at.TARGET]]) for row in workspace.falling]
+        return found
 
     def projection(self, t: Operand, y: np.ndarray) -> list[Operand]:
         """y brought onto the constraints, (ny,): two corrections of positions and one of rates.

@@ -165,7 +165,7 @@ def record_model(
     Raises TraceError, with the reason, where it cannot be straight-line code; UnknownName.
     """
     require_parameters(system, names)
-    _require_smooth(system)
+    _require_smooth(system, contacts and lanes)
     graph = Graph()
     recorder = Recorder(graph, beside)
     t = graph.input()
@@ -207,7 +207,9 @@ def _record_contacts(
     def measured() -> tuple[SimpleNamespace, dict[int, list[Impact]], HeldFunctions | None, list[Operand]]:
         workspace = recording.run(derivative, t, y, np.zeros(len(y), dtype=object))
         if rate is not None:
-            switches = [] if met.switches is None else met.switches.at([1.0, *rate])
+            switches: list[Switch] = []
+            if met.switches is not None:
+                switches = met.switches.at([1.0, *rate], lambda: recording.driven(workspace, t))
             strain = [met.strain(workspace, n) for n in range(len(met))]
             return workspace, {}, _held(met, workspace, y, switches), strain
         return workspace, recorder.impacts(workspace, y), None, []
@@ -249,7 +251,7 @@ def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray, switches: Se
         held.pressed.append(switch.side * switch.rate)
         held.reserve.append(switch.side * switch.value)
         held.slip.append(switch.value)
-        held.calm.append(0.0)
+        held.calm.append(select(switch.jolts, 1.0, 0.0))
         held.tangent.append(switch.rate)
         held.bend.append(0.0)
         held.faint.append(switch.slight)
@@ -310,9 +312,11 @@ def require_written_loads(system: System) -> None:
             )
 
 
-def _require_smooth(system: System) -> None:
-    """Raise TraceError for what a calculation without branches and events cannot follow."""
+def _require_smooth(system: System, switches: bool) -> None:
+    """Raise TraceError for what a calculation without branches and events cannot follow; switches: which it can."""
     require_written_loads(system)
+    if switches:
+        return
     driving = sorted({switch.name for switch in system.switches if switch.driving})
     if driving:
         raise TraceError(
