@@ -20,7 +20,7 @@ settings.load_profile("rattle")
 def pytest_configure(config: pytest.Config) -> None:
     """Without machine code only the tests marked `nojit` are affordable."""
     if not JIT and not config.option.markexpr:
-        config.option.markexpr = "nojit and not machine"
+        config.option.markexpr = "nojit and not machine and not long"
 
 
 @pytest.fixture

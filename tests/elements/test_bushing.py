@@ -39,6 +39,7 @@ def test_natural_frequencies_of_a_body_held_off_its_mass_centre():
     np.testing.assert_allclose(m.modes().omega / math.tau, [6.56089677, 14.35613667, 21.40078038], rtol=1e-8)
 
 
+@pytest.mark.machine
 def test_free_pair_keeps_momentum_and_angular_momentum_and_loses_what_is_damped():
     r = two_bodies().simulate(0.3, t_eval=np.linspace(0, 0.3, 7), **FINE)
     px, py, turn = 0.0, 0.0, 0.0
@@ -63,6 +64,7 @@ def test_recorded_forces_are_those_that_accelerate_the_second_body():
     assert np.abs(r["bush.torque"]).min() > 1.0
 
 
+@pytest.mark.machine
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_body_on_a_ground_point_that_moves_starts_where_it_is_without_force(turned):
     """As on a point that stays where that one is at the start."""

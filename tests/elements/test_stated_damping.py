@@ -70,7 +70,7 @@ def test_a_damper_of_zero_is_no_loss_and_an_expression_is_read() -> None:
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.5])
-@pytest.mark.parametrize("method", ["dop853", "radau"])
+@pytest.mark.parametrize("method", ["dop853", pytest.param("radau", marks=pytest.mark.machine)])
 def test_a_force_may_end_and_return_inside_the_wall(exponent: float, method: str) -> None:
     """A mass that a force shakes against its stop; SciPy integrates m x'' = F(t) - max(0, K delta^n + c delta')."""
     push = 'loads.F = { type = "force", at = "s.P", force = ["100 + 600*sin(900*t)", 0] }'

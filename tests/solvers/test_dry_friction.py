@@ -358,7 +358,7 @@ right = {{ {start} }}
 
 
 @pytest.mark.parametrize("law", ["newton", "poisson", "energetic"])
-@pytest.mark.parametrize("e", [0.0, 0.5])
+@pytest.mark.parametrize("e", [pytest.param(0.0, marks=pytest.mark.machine), 0.5])
 def test_doors_that_hit_their_stops_together_rub_in_their_hinges_as_each_does_alone(law, e):
     """A hinge gives m r (1 + e) w, so that its friction takes mu R times that from the impulse of the stop.
 
@@ -408,7 +408,9 @@ right = {{ angle = 1e-12, omega = -2 }}
 """
 
 
-@pytest.mark.parametrize("law", ["newton", "poisson", "energetic"])
+@pytest.mark.parametrize(
+    "law", ["newton", *(pytest.param(x, marks=pytest.mark.machine) for x in ("poisson", "energetic"))]
+)
 def test_a_carriage_is_slowed_by_the_impulse_with_which_two_stops_press_it_on_its_rail(law):
     """Each bar loses m (l / 2) w of its momentum across the rail: 1 N s together, of which mu is lost along it.
 
@@ -458,7 +460,7 @@ lever = {{ angle = 2.555 }}
 
 
 @pytest.mark.parametrize("law", ["newton", "poisson", "energetic"])
-@pytest.mark.parametrize("e", [0.0, 0.4])
+@pytest.mark.parametrize("e", [pytest.param(0.0, marks=pytest.mark.machine), 0.4])
 def test_a_driven_pin_strikes_a_lever_out_of_the_hold_of_its_shaft(law, e):
     """Across the slot the lever gets 1 + e times the rate of the pin, whatever its shaft takes."""
     model = rt.loads(lever(0.1, law, e))
@@ -594,6 +596,7 @@ def test_that_friction_follows_a_reaction_which_is_not_unique_is_said(first, sec
     assert [one.startswith(said) for one in notes] == ([True] if said else [])
 
 
+@pytest.mark.machine
 def test_joints_that_stick_do_not_slip_by_the_error_of_the_steps():
     """A chain of three comes to rest joint by joint; its events do not depend on the tolerance."""
     m = rt.Mechanism(gravity=[0, -G]).ground(O=[0, 0])
@@ -649,6 +652,7 @@ upper = {{ x = 0.119, y = 0.2, angle = 1.912 }}
 """
 
 
+@pytest.mark.machine
 def test_blocks_on_each_other_move_at_the_end_of_growing_friction_as_just_before():
     """Their forces have a second solution, of fifty times the size, where friction locks."""
     shares = np.linspace(0.9, 1.0, 11)
