@@ -669,3 +669,48 @@ def test_the_strands_of_a_belt_pull_and_hang():
     outputs = ["final(wheel.omega)", "max(belt.tight)", "count(belt.contacts)", "time(belt.contacts, 3)"]
     for name in ("M", "R_1", "T_0"):
         assert_alike(m, {name: m.parameters[name] * np.array([0.99, 1.0])}, outputs, 0.3, rel=1e-6, rtol=1e-9)
+
+
+PLANK = """
+format = 1
+gravity = ["9.81*sin(tilt)", "-9.81*cos(tilt)"]
+parameters = {{ tilt = 0.25, mu = 0.2 }}
+ground.points = {{ F = [0, 0] }}
+bodies.b = {{ points = {{ C = [0, -0.05], P = [-0.1, -0.05], Q = [0.1, -0.05] }}, mass = 1, inertia = 0.005 }}
+initial.b = {{ x = {x}, y = {y}, angle = {angle}, vx = 0, vy = 0, omega = 0 }}
+[joints.floor]
+type = "surface"
+connect = ["ground.F", "b.C"]
+axis = "0 deg"
+length = 2
+corners = ["P", "Q"]
+contact = {{ {law} }}
+"""
+RIGID_PLANK = 'model = "impact", restitution = 0.3, friction = "mu"'
+ELASTIC_PLANK = 'model = "lankarani-nikravesh", stiffness = 1e8, restitution = 0.5, friction = "mu"'
+
+
+@pytest.mark.parametrize("law", [RIGID_PLANK, ELASTIC_PLANK])
+@pytest.mark.parametrize(("y", "angle"), [(0.05, 0), (0.07, 0.02)])
+def test_a_block_slides_and_falls_on_a_segment(law, y, angle):
+    """Within its ends it is a line."""
+    m = rt.loads(PLANK.format(x=-0.3, y=y, angle=angle, law=law))
+    assert_alike(m, {"mu": np.array([0.1, 0.2])}, ["final(b.x)", "final(b.vx)", "final(b.y)"], 0.4, rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "angle", "outputs", "why"),
+    [
+        (0.8, 0.05, 0, ["final(b.x)"], "the end of a segment"),  # it slides off
+        (1.05, 0.0501, 0, ["final(b.x)"], "the end of a segment"),  # the right corner falls beside it
+        (-0.3, 0.07, 0.3, ["final(b.x)"], "a corner starts below its segment"),
+        (-0.3, 0.05, 0, ["min(floor.gap)"], "the gap of a segment"),
+    ],
+)
+@pytest.mark.parametrize("law", [RIGID_PLANK, ELASTIC_PLANK])
+def test_ends_of_segments_are_left_to_single_runs(law, x, y, angle, outputs, why):
+    m = rt.loads(PLANK.format(x=x, y=y, angle=angle, law=law))
+    a = m.many({"mu": [0.1, 0.15]}, outputs, t_end=1.0, **FINE)
+    assert list(a.generic) == [0, 1]
+    assert why in str(a)
+    assert a[outputs[0]] == pytest.approx(alone(m, {"mu": [0.1, 0.15]}, outputs, 1.0, **FINE)[0], rel=1e-12)

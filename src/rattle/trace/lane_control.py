@@ -49,7 +49,8 @@ class Status(IntEnum):
 WORDS = {
     Status.DONE: "done",
     Status.START: "has no start (values out of range, loops that do not close), or another form (as without friction)",
-    Status.ASSUMPTION: "comes next to a singular position or coincident points, which straight-line code cannot pass",
+    Status.ASSUMPTION: "comes next to a singular position, coincident points or the end of a segment, which"
+    " straight-line code cannot pass",
     Status.NOT_FINITE: "has no finite value: a load or curve outside its domain, or a diverging motion",
     Status.ENERGY: "has an energy error above the limit",
     Status.TOO_MANY_STEPS: "takes too many steps",

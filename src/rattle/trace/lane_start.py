@@ -174,7 +174,8 @@ class Stock:
             if n not in meets.rigid and not meets.table[n, at.LEVEL]:
                 size, rate = _size(meets, n, later), rows[count + n]
                 at_wall[n] = (rows[n] <= 0.0) & (rows[n] >= -AT_WALL * size)
-                inside[n] = rows[n] < -AT_WALL * size
+                if not meets.lever[n][at.ONE_WAY]:  # below a segment it touches nothing
+                    inside[n] = rows[n] < -AT_WALL * size
                 presses[n] = (rate < -slow) | ((rate <= slow) & (after[count + n] < rate))
         return at_wall, presses, inside
 

@@ -20,6 +20,7 @@ from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.jit import families
 from rattle.jit import layout as at
+from rattle.jit.choices import assume
 from rattle.language.recorded import Flag, Operand, Recorded, bare, symbol_of
 from rattle.solvers.contacts.contact_events import GAUSS, WEIGHTS, push
 from rattle.solvers.contacts.gap_search import rate_rounding
@@ -147,8 +148,17 @@ class RecordedContacts:
         copies.replace(compliant.add_contact_forces.python, self._add)
 
     def _located(self, m: SimpleNamespace, n: int, corner: int) -> None:
-        """Stands for `compliant.measure`."""
+        """Stands for `compliant.measure`.
+
+        The segment of a corner that bears on it goes on as a line: what touches is over it, elsewhere runs are left.
+        """
+        ends = bool(m.lever[n, at.ONE_WAY] > 0.0)
+        if ends:
+            m.contact_kinematics[n, at.PHASE] = at.HELD
         self._measure(m, n, corner)
+        if ends:
+            touches, beyond = self.shut[n] > 0.5, m.contact_kinematics[n, at.BEYOND] > 0.0
+            self._copies.of(assume.python)(apply("not", touches & beyond))
         if self.table[n, at.TOOTHED]:
             self._seat(m, n)
 

@@ -293,7 +293,9 @@ class _Met:
         self.inputs = 2 * functions.count
         layout, self.strain = state_layout(model.system), list(functions.strain)
         self.stores = [layout.account(n).start + STORED for n in range(len(functions.are))]
-        self.levers = [symbol_of(x) for x in model.recorded.arrays["lever"].ravel()]
+        levers = model.recorded.arrays["lever"].copy()
+        levers[levers[:, at.ONE_WAY] > 0.0, at.BOW] = 0.0  # segments go on as lines
+        self.levers = [symbol_of(x) for x in levers.ravel()]
         self.peaks = tuple(
             sorted({n for reduction in asked.reductions if reduction.kind == "peak" for n in reduction.contacts})
         )

@@ -22,7 +22,9 @@ from rattle.analyses.straight_line.derived_curves import derived_curve, derived_
 from rattle.analyses.straight_line.recorded_start import RecordedStart, record_start
 from rattle.description.model import Model
 from rattle.description.reader import read
+from rattle.equations.compliant import locate_contacts
 from rattle.equations.motion import derivative
+from rattle.equations.motion import place as place_bodies
 from rattle.equations.state import state_layout
 from rattle.equations.system import System, compile_system
 from rattle.errors import ModelError, TraceError, suggest
@@ -41,6 +43,7 @@ from rattle.trace.recording import Recorder, Recording
 from rattle.trace.symbol_arrays import Table
 from rattle.value_types import Tree
 
+BELOW = 1e-9  # share of the size of the mechanism by which a corner may be below its segment by rounding
 SAME = 1e-9  # share of the largest number by which a recording may differ from the kernels: rounding, well amplified
 LEAST = 1e-12  # number [SI] with which smaller ones are compared as if they were as large: rounding of zeros
 MOVED = 1e-3  # standard deviation of the state beside the start [SI] at which the record is checked
@@ -166,6 +169,7 @@ def record_model(
     """
     require_parameters(system, names)
     _require_smooth(system, contacts and lanes)
+    _require_above(system, start)
     graph = Graph()
     recorder = Recorder(graph, beside)
     t = graph.input()
@@ -186,6 +190,8 @@ def record_model(
     closed, sound_closed = recording.guarded(lambda: recording.projection(t, y))
     curves, units, sound_row = record_curves(recording, t, y)
     curves["energy.balance"] = curves["energy.balance"] - graph.input()
+    for n in np.flatnonzero(_end_at_points(system)):
+        curves.pop(f"{system.joints[system.arrays['contact'][n, at.OWNER]]}.gap", None)
     first = record_start(system, start, recorded, recorder, y) if names else None
     model = RecordedModel(
         document, system, start, {name: system.model.parameters[name].value for name in names}, graph,
@@ -325,6 +331,26 @@ def _require_smooth(system: System, switches: bool) -> None:
         )
 
 
+def _require_above(system: System, start: Assembled) -> None:
+    """Raise TraceError for a corner that is below the segment on which it bears: it touches nothing there."""
+    ends = _end_at_points(system)
+    if not ends.any():
+        return
+    workspace = system.plain_workspace()
+    with np.errstate(all="ignore"):
+        place_bodies.python(workspace, start.q, start.v)
+        locate_contacts.python(workspace)
+    below = np.flatnonzero(ends & (workspace.contact_kinematics[:, at.ABOVE] < -BELOW * system.size))
+    if len(below):
+        joint = system.joints[system.arrays["contact"][below[0], at.OWNER]]
+        raise TraceError(f"a corner starts below its segment (joint {joint})")
+
+
+def _end_at_points(system: System) -> np.ndarray:
+    """(nc,) True of contacts of corners with segments, which are followed as if these went on: they have no gap."""
+    return np.array(system.arrays["lever"][:, at.ONE_WAY] > 0.0, dtype=bool)
+
+
 def _require_known_states(recorded: System) -> None:
     """Raise TraceError for a state whose start depends on a chosen parameter."""
     for name, state in recorded.model.states.items():
@@ -346,7 +372,7 @@ def _require_same(model: RecordedModel) -> None:
             "constraints are redundant, the start is next to a singular position, or points coincide: straight-line"
             " code cannot pass that"
         )
-    _require_equal(model.system, model.start.t, y, modes, outputs[4:], "at the start; this is a fault of rattle")
+    _require_equal(model, model.system, y, modes, outputs[4:], "at the start; this is a fault of rattle")
     random = np.random.default_rng(0)
 
     def same(names: Sequence[str], where: str) -> bool:
@@ -362,7 +388,7 @@ def _require_same(model: RecordedModel) -> None:
             if outputs[3]:
                 if model.contacts is not None:
                     _require_recorded(model, other, changed, where)
-                _require_equal(other, model.start.t, moved, modes, outputs[4:], where)
+                _require_equal(model, other, moved, modes, outputs[4:], where)
                 return True
         return False
 
@@ -427,9 +453,12 @@ def _require_recorded(model: RecordedModel, other: System, values: Mapping[str, 
         raise TraceError(f"numbers of a joint, a load or a law of contact cannot be followed {where}")
 
 
-def _require_equal(system: System, t: float, y: np.ndarray, modes: np.ndarray, outputs: np.ndarray, where: str) -> None:
-    rate, row = np.zeros_like(y), np.zeros(width(system))
+def _require_equal(
+    model: RecordedModel, system: System, y: np.ndarray, modes: np.ndarray, outputs: np.ndarray, where: str
+) -> None:
+    t, rate, row = model.start.t, np.zeros_like(y), np.zeros(width(system))
     workspace = system.plain_workspace()
+    workspace.contact_kinematics[_end_at_points(system), at.PHASE] = at.HELD
     if len(modes):
         rubs = np.flatnonzero(system.arrays["dry"][:, at.DRY_LAW] < 0)
         workspace.dry_memory[rubs, at.DRY_MODE] = modes[: len(rubs)]
@@ -438,11 +467,12 @@ def _require_equal(system: System, t: float, y: np.ndarray, modes: np.ndarray, o
     with np.errstate(all="ignore"):  # what is not finite is said below
         derivative.python(workspace, t, y.copy(), rate)
         record.python(workspace, t, y.copy(), row)
-        table, _, _ = columns(system, np.array([np.zeros_like(row), row]))
+        table, titles, _ = columns(system, np.array([np.zeros_like(row), row]))
+    told = table[1][[title in model.curves for title in titles]]
     pushed = np.abs(workspace.weight * workspace.force).max()  # at rest joints leave only rounding of these
     for title, want, got, size in (
         ("right-hand side", rate, outputs[: len(y)], pushed),
-        ("result columns", table[1], outputs[len(y) :], 0.0),
+        ("result columns", told, outputs[len(y) :], 0.0),
     ):
         if not np.isfinite(want).all():
             raise TraceError("a load, driver or signal has no finite value at the start")

@@ -17,7 +17,6 @@ from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.analyses.straight_line.starts import Starts
 from rattle.description.model import within_limits
-from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.jit import layout as at
 from rattle.language import arrays
@@ -175,7 +174,7 @@ def _require_lanes(task: Task, method: str) -> None:
     if tableau is None:
         raise TraceError(f"'{task.how.method}' has no straight-line code")
     _require_smooth_joints(task)
-    _require_followed(task.mechanism.system, tableau.adaptive)
+    _require_followed(task, tableau.adaptive)
     if task.mechanism.system.switches and not tableau.adaptive:
         switching = ", ".join(sorted({switch.name for switch in task.mechanism.system.switches}))
         raise TraceError(f"steps of equal length do not end where expressions switch ({switching})")
@@ -189,15 +188,16 @@ def _require_smooth_joints(task: Task) -> None:
             raise TraceError(f"curves may jump where the function of the joint '{name}' switches (abs, if, a table)")
 
 
-def _require_followed(system: System, adaptive: bool) -> None:
+def _require_followed(task: Task, adaptive: bool) -> None:
     """Raise TraceError for contacts that lanes cannot follow."""
-    contacts = zip(system.arrays["contact"], system.arrays["lever"], strict=True)
-    for entry, lever in contacts:
+    system = task.mechanism.system
+    curves = {name for output in task.outputs for name in output.names}
+    for entry, lever in zip(system.arrays["contact"], system.arrays["lever"], strict=True):
         joint = system.joints[entry[at.OWNER]]
         if not adaptive:
             raise TraceError(f"steps of equal length do not end at contacts (joint {joint})")
-        if lever[at.ONE_WAY] > 0.0:
-            raise TraceError(f"contacts that end at an end (joint {joint}) run one by one")
+        if lever[at.ONE_WAY] > 0.0 and f"{joint}.gap" in curves:
+            raise TraceError(f"the gap of a segment (joint {joint}) is not followed beyond its ends")
 
 
 def _program(model: RecordedModel, asked: Asked, task: Task, method: str, span: float) -> Program:
