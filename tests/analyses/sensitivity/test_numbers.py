@@ -8,6 +8,7 @@ import pytest
 import rattle as rt
 from balls import G, ball
 from rattle.errors import InputError
+from rattle.questions.sensitivity.pictures import plot_effects
 
 T1 = math.sqrt(2.0 / G)  # the first impact of a ball that falls by 1 m [s]
 
@@ -45,3 +46,16 @@ def test_numbers_of_a_driven_mechanism_follow_the_text_they_are_written_in():
 def test_numbers_are_not_of_an_equilibrium():
     with pytest.raises(InputError, match="a number of a whole motion"):
         rt.example("balanced_arm").sensitivity(["max(arm.angle)"], ["l"], analysis="equilibrium")
+
+
+def test_numbers_are_drawn_as_bars_and_curves_over_time():
+    m = rt.example("slider_crank")
+    s = m.sensitivity(
+        ["max(slider.vx)", "slider.x"], ["crank_length", "rod_length"], [0.0, 0.01, 0.02], analysis="kinematics"
+    )
+    bars, over_time = plot_effects(s).axes
+    changes = [patch.get_width() for patch in bars.patches]
+    assert abs(changes[0]) >= abs(changes[1]) > 0.0
+    assert bars.get_xlabel().startswith("change of max(slider.vx) [")
+    assert len(over_time.lines) == 2
+    assert over_time.get_xlabel() == "time [s]"

@@ -125,7 +125,7 @@ def _table(result: Result) -> list[str]:
         mine.sort(key=lambda effect: -effect.size)
         for n, effect in enumerate(mine):
             name = f"d({effect.output})" if n == 0 else ""
-            at = "whole run" if "(" in output else f"{result.t[effect.largest]:.4g} s"
+            at = "whole run" if effect.of_whole_run else f"{result.t[effect.largest]:.4g} s"
             rows.append((name, effect.parameter, effect.slope, at, effect.words, effect.effect))
     head = ("", "by", "largest derivative", "at t", "a change by", "moves it by")
     return in_columns([head, *rows])

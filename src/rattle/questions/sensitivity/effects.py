@@ -38,6 +38,11 @@ class Effect(NamedTuple):
     by: str  # SI unit of the parameter
 
     @property
+    def of_whole_run(self) -> bool:
+        """True of a number, the same at every instant."""
+        return "(" in self.output
+
+    @property
     def largest(self) -> int:
         """Instant of the largest magnitude, of those at which it is defined."""
         size = np.abs(self.derivative)

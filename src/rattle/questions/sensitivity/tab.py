@@ -43,7 +43,7 @@ def tab(shelf: Shelf, source: Source, of: str = "", to: str = "") -> Content:
             effect.words,
             effect.slope,
             effect.effect,
-            f"{result.t[effect.largest]:.4g} s",
+            "whole run" if effect.of_whole_run else f"{result.t[effect.largest]:.4g} s",
         )
         for effect in entries
     ]
@@ -65,10 +65,11 @@ def _pictures(result: Result, entries: list[Effect], outputs: list[str]) -> tupl
     lines = [
         line(f"{name} by {effect.words}", result.t, factor * effect.derivative * effect.change)
         for name, effect in zip(names, alike, strict=True)
+        if not effect.of_whole_run
     ]
     title = f"Change of {', '.join(outputs)} by a usual change of each parameter"
     return (
-        curves(title, "time [s]", axis_label("change", unit), lines),
+        curves(title, "time [s]", axis_label("change", unit), lines) if lines or not alike else None,
         bars("The largest of each", axis_label("change", unit), names, [factor * effect.size for effect in alike]),
     )
 
