@@ -249,4 +249,4 @@ def test_a_block_that_nothing_presses_slides_sticks_or_flies_when_gravity_begins
     assert r["b.x"][-1] == pytest.approx(np.sign(along) * slides * way, rel=1e-6, abs=1e-10)
     assert r["b.y"][-1] == pytest.approx(0.05 + max(0.0, across) * way, rel=1e-9)
     assert abs(r["b.angle"][-1]) < 1e-9
-    assert sum(event.energy_lost for event in r.events if event.kind == "impact") == pytest.approx(0.0, abs=1e-12)
+    assert not [event for event in r.events if event.kind == "impact"]

@@ -83,7 +83,7 @@ def begin_contacts(m, t, t_end):
         stuck[k] = 0.0
     stuck[at.EVENT_AT] = -math.inf
     m.clock[at.T] = t
-    status = event_driven.start(m, t)
+    status = event_driven.start(m, t, t_end)
     if status == NO_SOLUTION and course[at.MAY_PASS] == 1.0 and pass_jam(m, t_end, status, 0) == PAUSED:
         return OK
     return status

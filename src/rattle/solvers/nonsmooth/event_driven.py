@@ -51,9 +51,12 @@ AHEAD = (
 )
 
 
-@native("i", "h", "f")
-def start(m, t):
-    """Modes at the start of a run: closed contacts that approach have their impact at once. Returns a status."""
+@native("i", "h", "f", "f")
+def start(m, t, t_end):
+    """Modes at the start of a run: closed contacts that approach have their impact at once. Returns a status.
+
+    Where nothing is moved at the start, what touches is decided by the forces just after it.
+    """
     contact, kinematics, mode, y = m.contact, m.contact_kinematics, m.mode, m.state
     project(m, t, y)
     start_contacts(m, t, y)
@@ -76,8 +79,20 @@ def start(m, t):
     if who < 0:
         project_on_contacts(m, t, y, nearest)
     status = handle_event(m, t, y, who, NOTHING)
+    if status == OK and nearest >= 0 and is_unmoved(m):
+        status = handle_event(m, t + AHEAD * (t_end - t), y, -1, NOTHING)
     remember(m)
     return status
+
+
+@compiled
+def is_unmoved(m):
+    """True if no body moves nor is accelerated."""
+    nq = m.change.shape[0]
+    for n in range(nq):
+        if m.state[nq + n] != 0.0 or m.acceleration[1 + n // 3, n % 3] != 0.0:
+            return False
+    return True
 
 
 @native("i", "h", "f", "i")
