@@ -14,7 +14,7 @@ import numpy as np
 
 from rattle.errors import TraceError
 from rattle.questions.sensitivity.contacts import ContactMotion, Met
-from rattle.questions.sensitivity.motion import Motion
+from rattle.questions.sensitivity.motion import Moment, Motion
 from rattle.results.event import Event
 
 MOVED = 1e-7  # share of the run by which the instants of events are moved at most
@@ -39,32 +39,22 @@ class Nearby:
         read_off: instants [s] that rows must keep.  Raises TraceError where an event comes at one of them.
         """
         values, slopes = np.array(run.values), np.array(run.derivatives)
-        t, k = run.t_eval[: len(values)], slopes.shape[2]
-        moments = run.moments or []
-        if moments:
-            at = np.array([moment.t for moment in moments])
-            shift = np.array([moment.shift for moment in moments])
-            events = np.unique(at[(shift != 0.0).any(axis=1)])
-            clear = _distance(t, events) > CLEAR * MOVED * run.t_end
-            fixed = np.isin(t, read_off)
-            if (fixed & ~clear).any():
-                when = t[fixed & ~clear][0]
-                raise TraceError(f"no sensitivities: a contact begins or ends at t = {when:.6g} s, which is read off")
-            moves = (shift != 0.0).any(axis=1)
-            kept = moves | (_distance(at, events) > CLEAR * MOVED * run.t_end)
-            t, values, slopes = t[clear], values[clear], slopes[clear]
-            order = np.argsort(np.concatenate([t, at[kept]]), kind="stable")
-            t = np.concatenate([t, at[kept]])[order]
-            shift = np.concatenate([np.zeros((len(values), k)), shift[kept]])[order]
-            values = np.concatenate([values, np.array([moment.values for moment in moments])[kept]])[order]
-            slopes = np.concatenate([slopes, np.array([moment.slopes for moment in moments])[kept]])[order]
-        else:
-            shift = np.zeros((len(t), k))
+        t = run.t_eval[: len(values)]
+        rows = [Moment(*row) for row in zip(t, np.zeros(slopes[:, 0].shape), values, slopes, strict=True)]
+        events = np.unique([moment.t for moment in run.moments or () if moment.shift.any()])
+        near = _distance(t, events) <= CLEAR * MOVED * run.t_end
+        if (near & np.isin(t, read_off)).any():
+            when = t[near & np.isin(t, read_off)][0]
+            raise TraceError(f"no sensitivities: a contact begins or ends at t = {when:.6g} s, which is read off")
+        rows += [moment for moment in run.moments or ()]
+        kept = [row for row in rows if row.shift.any() or _distance(row.t, events) > CLEAR * MOVED * run.t_end]
+        kept.sort(key=lambda row: row.t)  # both sides of an event stay as they are
+        columns = (np.array(column) for column in zip(*kept, strict=True))
         if not isinstance(run, ContactMotion):
-            return cls(t, shift, values, slopes)
+            return cls(*columns)
         are = run.touching.are
         rigid = frozenset(joint for joint, is_rigid in zip(are.joints, are.rigid, strict=True) if is_rigid)
-        return cls(t, shift, values, slopes, run.met, rigid)
+        return cls(*columns, run.met, rigid)
 
     def reach(self, k: int) -> float:
         """The largest change of parameter k [SI] that moves no event too far."""
@@ -88,7 +78,7 @@ class Nearby:
         return t, self.values + change * self.slopes[:, :, k], events
 
 
-def _distance(t: np.ndarray, events: np.ndarray) -> np.ndarray:
+def _distance(t: np.ndarray | float, events: np.ndarray) -> np.ndarray:
     """(n,) from instants t (n,) to the nearest of events (m,), in order [s]."""
     after = np.searchsorted(events, t)
     bounded = np.concatenate([[-np.inf], events, [np.inf]])
