@@ -164,3 +164,56 @@ def test_slopes_that_do_not_hold_within_the_tolerances_are_told():
     t = m.tolerance("final(slider.vx)", {"c": "1 um", "speed": "1 rpm"}, t_end=0.012, n=16)
     assert "which hold for smaller changes than these tolerances" in t.how
     assert np.isfinite(list(t.slopes.values())).all()
+
+
+def test_slopes_of_a_contact_much_shorter_than_the_time_between_outputs():
+    """It presses a spring for 2.6e-4 of the run: closed forms of half a swing."""
+    m = rt.loads(ball('{ model = "hertz", stiffness = "k", exponent = 1 }')).set(k=1e8)
+    end = 1.2
+
+    def numbers(h, k):
+        v, w, sag = math.sqrt(2.0 * G * h), math.sqrt(k), G / k
+        t = np.linspace(0.0, 2.0 * (math.pi - math.atan2(v, w * sag)) / w, 20001)
+        force = k * (sag - sag * np.cos(w * t) + v / w * np.sin(w * t))
+        return np.array([k * (math.hypot(v / w, sag) + sag), np.trapezoid(force, t), np.trapezoid(force**2, t)])
+
+    names = ["max(rail.stop)", "integral(rail.stop)", "integral(rail.stop**2)"]
+    s = m.sensitivity(names, ["h", "k"], [0.0, end])
+    for parameter, h, k in (("h", 1e-5, 0.0), ("k", 0.0, 1e3)):
+        want = (numbers(1.0 + h, 1e8 + k) - numbers(1.0 - h, 1e8 - k)) / (2.0 * (h + k))
+        found = [s[f"d({name})/d({parameter})"][0] for name in names]
+        assert found == pytest.approx(want, rel=1e-4, abs=1e-15)
+
+
+def test_slopes_of_many_oscillations():
+    """x = a cos(w t) over a hundred periods: rms of the speed is a w/sqrt(2)."""
+    m = rt.loads(
+        """
+format = 1
+parameters = { a = 0.1, k = 394784.17604357433 }
+ground.points = { O = [0, 0] }
+bodies.b = { points = { C = [0, 0] }, mass = 1, inertia = 1 }
+joints.rail = { type = "prismatic", connect = ["ground.O", "b.C"], angle = 0 }
+loads.spring = { type = "force", at = "b.C", force = ["-k*b.x", 0] }
+initial.b = { x = "a", vx = 0 }
+"""
+    )
+    s = m.sensitivity(["rms(b.vx)", "max(b.vx)"], ["a", "k"], [0.0, 1.0])
+    w = math.sqrt(m.parameters["k"])
+    assert s["rms(b.vx)"][0] == pytest.approx(0.1 * w / math.sqrt(2.0), rel=1e-5)
+    assert s["d(rms(b.vx))/d(a)"][0] == pytest.approx(w / math.sqrt(2.0), rel=1e-5)
+    assert s["d(max(b.vx))/d(a)"][0] == pytest.approx(w, rel=1e-5)
+    assert s["d(max(b.vx))/d(k)"][0] == pytest.approx(0.05 / w, rel=1e-3)
+
+
+def test_instants_that_are_read_off_next_to_an_impact():
+    """The instant moves with its parameter, but not past the impact; at the end of the run it moves back only."""
+    m = rt.loads(ball(RIGID).replace("lift = 0", "lift = 0, T = 0.5"))
+    t1 = math.sqrt(2.0 / G)
+    s = m.set(T=t1 * (1.0 + 1e-6)).sensitivity(["at(ball.vy, T)"], ["T"], [0.0, 0.6])
+    assert s["d(at(ball.vy, T))/d(T)"][0] == pytest.approx(-G, rel=1e-6)
+    s = m.set(T=0.6).sensitivity(["at(ball.vy, T)"], ["T"], [0.0, 0.6])
+    assert s["d(at(ball.vy, T))/d(T)"][0] == pytest.approx(-G, rel=1e-6)
+    s = m.sensitivity(["final(ball.vy)"], ["h"], [0.0, t1 * (1.0 + 1e-9)])
+    assert np.isnan(s["d(final(ball.vy))/d(h)"][0])
+    assert any("which is read off" in note for note in s.trust.notes)

@@ -92,6 +92,12 @@ class Question:
         return touches and not kinds & {"count", HARDEST} and not self.ideal_curves
 
     @property
+    def is_between(self) -> bool:
+        """Whether outputs depend on curves between the instants of a run, and may be taken of others."""
+        kinds = {reduction.kind for output in self.outputs for reduction in output.reductions}
+        return self.analysis == "simulate" and not kinds <= {*READ_OFF} and not self.ideal_curves
+
+    @property
     def width(self) -> np.ndarray:
         """(k,) distances of the bounds [SI]."""
         return np.asarray(self.high - self.low)

@@ -21,7 +21,7 @@ from rattle.errors import AssemblyError, ModelError, SolverError, TraceError
 from rattle.questions.optimise.asked import RTOL, Question
 from rattle.questions.optimise.squares import Square, is_root, squares
 from rattle.questions.sensitivity.nearby import Nearby
-from rattle.questions.sensitivity.numbers import moved_result
+from rattle.questions.sensitivity.numbers import difference, instants_of, moved_result
 from rattle.questions.sensitivity.repeated import RepeatedSensitivities
 from rattle.results.contact_summary import no_number
 from rattle.results.evaluation import evaluate, unread_curves
@@ -140,14 +140,14 @@ class Designs:
     def slopes(self, design: Design) -> np.ndarray:
         """(1 + m, k) derivatives of objective and margins by x.  Raises LostError."""
         if design.slopes is None:
-            design.slopes = self._slopes(design, self._numbers)
+            design.slopes = self._slopes(design, self._numbers, self.question.is_between)
         return design.slopes
 
     def parts(self, design: Design) -> tuple[np.ndarray, np.ndarray]:
         """Parts r (n,) of the sum of squares, and derivatives (n, k) by x.  Raises LostError."""
         if design.parts is None:
             raw = design.ran.apply(self._raw)
-            slopes = self._slopes(design, lambda *arguments: np.concatenate(self._raw(*arguments)))
+            slopes = self._slopes(design, lambda *arguments: np.concatenate(self._raw(*arguments)), False)
             split = np.split(slopes, np.cumsum([len(part) for part in raw])[:-1])
             pairs = list(zip(self.squares, raw, split, strict=True))
             design.parts = (
@@ -197,10 +197,11 @@ class Designs:
     def _raw(self, result: Result, parameters: Mapping[str, float], ideal: Result | None) -> list[np.ndarray]:
         return [square.raw(result, parameters, ideal) for square in self.squares]
 
-    def _slopes(self, design: Design, numbers: Numbers) -> np.ndarray:
+    def _slopes(self, design: Design, numbers: Numbers, between: bool) -> np.ndarray:
+        """between: whether numbers may be of other instants than those of the run."""
         self.derived += 1
         try:
-            slopes = self._exact_slopes(design, numbers)
+            slopes = self._exact_slopes(design, numbers, between)
         except (TraceError, AssemblyError) as error:
             why = alike(str(error).removeprefix("no sensitivities: "))
             self.differenced[why] = self.differenced.get(why, 0) + 1
@@ -209,21 +210,24 @@ class Designs:
             raise LostError("an output has no finite derivative")
         return slopes
 
-    def _exact_slopes(self, design: Design, numbers: Numbers) -> np.ndarray:
+    def _exact_slopes(self, design: Design, numbers: Numbers, between: bool) -> np.ndarray:
         """(n, k) from the derivatives of the curves.  Raises TraceError."""
         question, run = self.question, design.ran
         asked = ((run.mechanism, question.curves), (run.ideal, question.ideal_curves))
         exact = self._sensitivities(asked)
-        t, read_off = question.needed_times(run.mechanism), question.read_off(run.mechanism)
+        t, read_off = question.needed_times(run.mechanism), question.read_off(run.mechanism) if between else None
         curves: list[tuple[list[str], Nearby] | None] = [None] * len(asked)
         for place, ((m, names), derivatives) in enumerate(zip(asked, exact, strict=True)):
             if derivatives is not None and m is not None:
                 curves[place] = names, derivatives.at(m.system, m.start, t, read_off)
+        read = instants_of(question.outputs, run.mechanism.parameters)
         width, rows, geometry = question.width, [], run.result.geometry
         for k, name in enumerate(question.names):
             beside: dict[int, np.ndarray] = {}
             step = min(STEP, max(LEAST_STEP, OF_VALUE * abs(run.mechanism.parameters[name]) / width[k]))
             step = min([step, *(c[1].reach(k) / width[k] for c in curves if c is not None)])
+            after = instants_of(question.outputs, question.moved(run.mechanism, name, step * width[k]))
+            step *= min([1.0, *(c[1].passes_none(read, after) for c in curves if c is not None)])
             for n in (1, -1, 0, 2, -2):
                 if n == 0 and len(beside) == 2:
                     break
@@ -232,7 +236,7 @@ class Designs:
                 main = moved[0] if moved[0] is not None else moved_result([], geometry, t, np.zeros((len(t), 0)))
                 with suppress(ValueError):  # an instant that moved out of the run
                     beside[n] = numbers(main, question.moved(run.mechanism, name, h), moved[1])
-            rows.append(_difference(beside, step))
+            rows.append(difference(beside, step))
         return np.ascontiguousarray(np.array(rows).T)
 
     def _sensitivities(self, asked: Sequence[tuple[Mechanism | None, list[str]]]) -> list[RepeatedSensitivities | None]:
@@ -271,7 +275,10 @@ class Designs:
             inside = [n for n in (1, -1, 2, -2) if 0.0 <= design.x[k] + n * h <= 1.0]
             for n in inside if len(inside) < 4 else (1, -1):
                 beside |= self._beside(design, k, n, h, numbers)
-            columns.append(_difference(beside, h))
+            try:
+                columns.append(difference(beside, h))
+            except TraceError:
+                raise LostError("the designs beside it cannot be evaluated") from None
         return np.ascontiguousarray(np.array(columns).T)
 
     def _beside(self, design: Design, k: int, n: int, h: float, numbers: Numbers) -> dict[int, np.ndarray]:
@@ -296,15 +303,3 @@ def _whole(result: Result) -> Result:
     if not result.success:
         raise SolverError(result.message, result)
     return result
-
-
-def _difference(values: Mapping[int, np.ndarray], h: float) -> np.ndarray:
-    """Derivative from values at multiples of h, which hold that at 0.  Raises LostError."""
-    if 1 in values and -1 in values:
-        return np.asarray((values[1] - values[-1]) / (2.0 * h))
-    for side in (1, -1):
-        if side in values:
-            if 2 * side in values:
-                return np.asarray(side * (4.0 * values[side] - values[2 * side] - 3.0 * values[0]) / (2.0 * h))
-            return np.asarray(side * (values[side] - values[0]) / h)
-    raise LostError("the designs beside it cannot be evaluated")

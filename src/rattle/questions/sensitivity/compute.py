@@ -198,7 +198,9 @@ def _with_numbers(asked: Asked, numbers: Mapping[str, Output], analysis: str) ->
     if analysis == "equilibrium":
         raise InputError(f"{next(iter(numbers))!r}: a number of a whole motion; an equilibrium has curves only")
     kept = read_off(numbers, {name: p.value for name, p in asked.model.system.model.parameters.items()})
-    times = all_instants(asked.t_eval, kept, 0.0 if analysis == "simulate" else float(asked.t_eval[0]))
+    begin = 0.0 if analysis == "simulate" else float(asked.t_eval[0])
+    times = all_instants(asked.t_eval, kept, begin)
+    kept = np.union1d(kept, [begin, times[-1]])
     plain = [name for name in asked.outputs if name not in numbers]
     curves = [name for name in curves_of(numbers) if name not in plain]
     answer, units = FIND[analysis](replace(asked, outputs=(*plain, *curves), t_eval=times, read_off=kept))
@@ -248,7 +250,10 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
     n, nearby = len(run.values), None
     grazed = isinstance(run, ContactMotion) and run.grazed < run.t
     if asked.read_off is not None and not (run.message or grazed or reach < run.t):
-        nearby = Nearby.of(run, asked.read_off)
+        try:
+            nearby = Nearby.of(run, asked.read_off)
+        except TraceError as error:
+            trust = replace(trust, notes=(*trust.notes, str(error).removeprefix("no sensitivities: ")))
     values, derivatives = np.array(run.values).reshape(n, count), np.array(run.derivatives).reshape(n, count, k)
     if isinstance(run, ContactMotion):
         own = {name: (values[:, c], derivatives[:, c]) for c, name in enumerate(curves)}

@@ -180,8 +180,6 @@ class ContactMotion(Motion):
             return False
         if len(hit):
             self._meet(hit)
-        elif self.touching.shut.any():  # contacts may be shorter than the time between two outputs
-            self._keep_between(t_new, z)
         return not len(hit)
 
     def _hit(self, before: Watched, after: Watched) -> np.ndarray:
@@ -395,5 +393,5 @@ class ContactMotion(Motion):
             low, high = (t, high) if seen.normal_in_time[n] > 0.0 else (low, t)
             if high - low <= TOO_SHORT * self.t_end:
                 break
-        self._keep_between(t, z)
+        self._keep_between(np.array([t]), [z])
         return seen

@@ -100,6 +100,16 @@ class Functions:
         moved = np.abs(again - closed)[:, : 3 * self.model.system.body_count, 0].reshape(len(t), -1, 3)
         return Outputs(values[:, :-1], slopes[:, :-1], sound, moved)
 
+    def outputs_in_time(self, t: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Curves (n, nc) of states z (n, ny, 1 + k), and how they change with parameters and, last, in time."""
+        closed, _ = self._all_projected(t, z)
+        x, along = self._points(t, closed)
+        rates = self._rate.at_points(x, along)[0][:, : self.size]
+        in_time = np.zeros((*x.shape, 1))
+        in_time[:, 0, 0], in_time[:, 1 : 1 + self.size, 0] = 1.0, rates
+        values, slopes = self._curves.at_points(x, np.concatenate([along, in_time], axis=2))
+        return values[:, :-1], slopes[:, :-1]
+
     def _all_projected(self, t: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         values, along = self._project.at_points(*self._points(t, z))
         return np.concatenate([values[:, :-1, None], along[:, :-1]], axis=2), values[:, -1] == 1.0

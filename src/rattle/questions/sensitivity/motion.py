@@ -32,17 +32,19 @@ TOO_SHORT = 1e-13  # share of the run below which steps do not get shorter
 ALIKE = 1e-9  # share of the right-hand side by which both sides of a switch may differ and yet be the same
 BESIDE = 4.0  # the other side of a switch is looked for so many shortest steps further, then twice as many ...
 DOUBLINGS = 20
+INSIDE, ROWS = 8, 1000  # parts of a step at whose ends curves are kept, at least, and parts of the run
 NEAR = 3  # a step is halved where a switch lies inside: it is met within two such steps
 SAME = 1e-6  # share by which the instants of two switches may depend differently on a parameter and yet be one
 
 
 class Moment(NamedTuple):
-    """Curves at an instant between outputs that may move with the parameters."""
+    """Curves at an instant between outputs."""
 
     t: float  # [s]
-    shift: np.ndarray  # (k,) derivatives of the instant
     values: np.ndarray  # (nc,)
     slopes: np.ndarray  # (nc, k) derivatives of the values at that instant
+    rates: np.ndarray  # (nc,) and in time
+    shift: np.ndarray | None = None  # (k,) derivatives of the instant, if it is one of an event
 
 
 class Motion:
@@ -57,7 +59,7 @@ class Motion:
         self.interrupted = False
         self.values: list[np.ndarray] = []  # curves at the outputs
         self.derivatives: list[np.ndarray] = []
-        self.moments: list[Moment] | None = None  # both sides of events, where a list is given
+        self.moments: list[Moment] | None = None  # both sides of events, and instants of steps, where a list is given
         self.history: list[tuple[float, np.ndarray]] = []  # times [s], sizes (k,) of the derivatives of positions
         self.drift, self.drift_angle = 0.0, 0.0  # what the projection of an output corrects [m], [rad]
         self.balance, self.share = 0.0, 0.0  # largest energy error [J], and as a share of the largest energy
@@ -130,6 +132,7 @@ class Motion:
             states = step.states(self.functions, inside)
         self.steps += 1
         self._keep_outputs(states)
+        self._keep_inside(step, t_new, z)
         self.t, self.z, self._rates = t_new, z, rates
         self._note(z)
         return True
@@ -160,15 +163,16 @@ class Motion:
         else:
             self.message = f"stopped at t = {t:.6g} s: {self._names} touches its switch there and turns back"
             return
-        shift = None
+        shift = np.zeros(z.shape[1] - 1)  # a kink moves on nothing
         jump = before.values[:, 0] - after.values[:, 0]
         scale = max(np.abs(before.values[:, 0]).max(), np.abs(after.values[:, 0]).max())
         if np.abs(jump).max() > ALIKE * scale:
-            shift = self._shift(before, after)
-            if shift is None:
+            moved = self._shift(before, after)
+            if moved is None:
                 return
-            self._keep_moment(shift)
+            shift = moved
             beyond[:, 1:] += jump[:, None] * shift
+        self._keep_moment(shift)
         self.z, sound = self.functions.projected(t + ahead, beyond)
         self._rates = self.functions.rates(t + ahead, self.z)
         if not sound or (self._rates.sides != after.sides).any():
@@ -176,8 +180,7 @@ class Motion:
             return
         self.t, self.h, self._near = t + ahead, RESTART * self.t_end, 0
         self.switched += 1
-        if shift is not None:
-            self._keep_moment(shift, t)
+        self._keep_moment(shift, t)
 
     def _shift(self, before: Rates, after: Rates) -> np.ndarray | None:
         """(k,) derivatives of the instant of the switch [s] by the parameters; None, with a message, if it has none."""
@@ -205,13 +208,23 @@ class Motion:
         if self.moments is not None:
             values, along, _ = self.functions.curves_in_time(self.t, self.z, self._rates.values[:, 0])
             t = self.t if t is None else t
-            self.moments.append(Moment(t, shift, values, along[:, :-1] + along[:, -1:] * shift))
+            self.moments.append(Moment(t, values, along[:, :-1], along[:, -1], shift))
 
-    def _keep_between(self, t: float, z: np.ndarray) -> None:
-        """Keep the curves at an instant [s] that does not move."""
+    def _keep_inside(self, step: Step, t_new: float, z: np.ndarray) -> None:
+        """Keep the curves inside of a step and at its end: between outputs there may be contacts or oscillations."""
         if self.moments is not None:
-            values, slopes, _ = self.functions.curves(t, z)
-            self.moments.append(Moment(t, np.zeros(slopes.shape[1]), values, slopes))
+            h = t_new - self.t
+            parts = max(INSIDE, math.ceil(h * ROWS / self.t_end))
+            inside = self.t + h * np.arange(1, parts) / parts
+            self._keep_between(np.append(inside, t_new), [*step.states(self.functions, inside), z])
+
+    def _keep_between(self, times: np.ndarray, states: list[np.ndarray]) -> None:
+        """Keep the curves at instants (n,) [s]."""
+        if self.moments is not None:
+            values, along = self.functions.outputs_in_time(times, np.array(states))
+            self.moments += [
+                Moment(t, x, dx[:, :-1], dx[:, -1]) for t, x, dx in zip(times.tolist(), values, along, strict=True)
+            ]
 
     def _keep_outputs(self, states: list[np.ndarray]) -> None:
         if not states:

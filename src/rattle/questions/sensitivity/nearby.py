@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from rattle.questions.sensitivity.motion import Moment, Motion
 from rattle.results.event import Event
 
 MOVED = 1e-7  # share of the run by which the instants of events are moved at most
+ROOM = 0.2  # share of the way to the next event by which an instant that is read off is moved at most
 CLEAR = 2.5  # times as much, within which other rows are left out
 
 
@@ -33,34 +35,61 @@ class Nearby:
     rigid: frozenset[str] = field(default_factory=frozenset)  # joints whose contacts are rigid
 
     @classmethod
-    def of(cls, run: Motion, read_off: np.ndarray) -> Nearby:
+    def of(cls, run: Motion, read_off: np.ndarray | None) -> Nearby:
         """Those of a motion: outputs, and both sides of events.
 
         read_off: instants [s] that rows must keep.  Raises TraceError where an event comes at one of them.
         """
         values, slopes = np.array(run.values), np.array(run.derivatives)
         t = run.t_eval[: len(values)]
-        rows = [Moment(*row) for row in zip(t, np.zeros(slopes[:, 0].shape), values, slopes, strict=True)]
-        events = np.unique([moment.t for moment in run.moments or () if moment.shift.any()])
-        near = _distance(t, events) <= CLEAR * MOVED * run.t_end
-        if (near & np.isin(t, read_off)).any():
-            when = t[near & np.isin(t, read_off)][0]
-            raise TraceError(f"no sensitivities: a contact begins or ends at t = {when:.6g} s, which is read off")
-        rows += [moment for moment in run.moments or ()]
-        kept = [row for row in rows if row.shift.any() or _distance(row.t, events) > CLEAR * MOVED * run.t_end]
-        kept.sort(key=lambda row: row.t)  # both sides of an event stay as they are
-        columns = (np.array(column) for column in zip(*kept, strict=True))
-        if not isinstance(run, ContactMotion):
-            return cls(*columns)
-        are = run.touching.are
-        rigid = frozenset(joint for joint, is_rigid in zip(are.joints, are.rigid, strict=True) if is_rigid)
-        return cls(*columns, run.met, rigid)
+        contacts: dict[str, Any] = {}
+        if isinstance(run, ContactMotion):
+            are = run.touching.are
+            rigid = frozenset(joint for joint, is_rigid in zip(are.joints, are.rigid, strict=True) if is_rigid)
+            contacts = {"met": run.met, "rigid": rigid}
+        if read_off is None or not run.moments:
+            return cls(t, np.zeros((len(t), slopes.shape[2])), values, slopes, **contacts)
+        events = {moment.t: moment.shift for moment in run.moments if moment.shift is not None and moment.shift.any()}
+        clear = CLEAR * MOVED * run.t_end
+        at = np.array(sorted(events))
+        fixed = np.flatnonzero(np.isin(t, read_off))
+        if (near := t[fixed][_distance(t[fixed], at) <= clear]).size:
+            raise TraceError(f"no sensitivities: a contact begins or ends at t = {near[0]:.6g} s, which is read off")
+        still = np.zeros(slopes.shape[2])
+        rows = [Moment(t[n], values[n], slopes[n], np.zeros(len(values[n])), still) for n in fixed]
+        rows += [one for one in run.moments if one.shift is not None or _distance(one.t, at) > clear]
+        rows.sort(key=lambda row: row.t)  # both sides of an event stay as they are
+        knots = {**dict.fromkeys([0.0, *t[fixed].tolist(), run.t_end], still), **events}
+        times = np.array(sorted(knots))
+        shifts = np.array([knots[time] for time in times])
+        own = np.array([row.t for row in rows])
+        moved = np.stack([np.interp(own, times, column) for column in shifts.T], axis=1)
+        for n, row in enumerate(rows):
+            moved[n] = moved[n] if row.shift is None else row.shift
+        along = np.array([row.slopes for row in rows])
+        along += np.array([row.rates for row in rows])[:, :, None] * moved[:, None, :]
+        return cls(own, moved, np.array([row.values for row in rows]), along, **contacts)
+
+    def scale(self, k: int) -> float:
+        """Change of parameter k [SI] that changes a curve by about its size; at most 1."""
+        sizes = np.abs(self.values).max(axis=0, initial=0.0)
+        changes = np.abs(self.slopes[:, :, k]).max(axis=0, initial=0.0)
+        return float(np.min(sizes[changes > sizes] / changes[changes > sizes], initial=1.0))
 
     def reach(self, k: int) -> float:
         """The largest change of parameter k [SI] that moves no event too far."""
         fastest = max((float(np.abs(met.by_time[k])) for met in self.met), default=0.0)
         fastest = max(fastest, float(np.abs(self.shift[:, k]).max(initial=0.0)))
         return MOVED * float(self.t[-1]) / fastest if fastest > 0.0 else np.inf
+
+    def passes_none(self, before: np.ndarray, after: np.ndarray) -> float:
+        """Share of a change up to which instants (n,) [s] that move from `before` to `after` meet no event."""
+        events = np.array([met.time for met in self.met] + self.t[self.shift.any(axis=1)].tolist())
+        share = 1.0
+        for first, last in zip(before, after, strict=True):
+            room = np.abs(events - first).min(initial=np.inf)
+            share = min(share, ROOM * room / abs(last - first)) if last != first else share
+        return share
 
     def moved(self, k: int, change: float) -> tuple[np.ndarray, np.ndarray, list[Event]]:
         """Instants (n,) [s], curves (n, nc) and contacts where parameter k has changed [SI]."""

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from contextlib import suppress
 
 import numpy as np
 
 from rattle.analyses.straight_line.derived_curves import derived_units
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.description.reader import read as read_model
-from rattle.errors import InputError
+from rattle.errors import InputError, TraceError
+from rattle.language.syntax import names
 from rattle.questions.sensitivity.nearby import Nearby
 from rattle.results.build import NOTHING_DRAWN
 from rattle.results.columns import geometry
 from rattle.results.evaluation import evaluate
 from rattle.results.event import Event
-from rattle.results.reductions import HARDEST, Known, Output, meetings, needed_instants, read
+from rattle.results.reductions import HARDEST, Known, Output, argument, meetings, needed_instants, read
 from rattle.results.result import Result
 from rattle.results.trust import Trust
 from rattle.value_types import Tree
@@ -74,12 +76,47 @@ def number_slopes(
         return np.array([evaluate(output, result, parameters) for output in numbers.values()])
 
     here, columns = at(0, 0.0, values), []
+    used = {name for output in numbers.values() for name in parameters_of(output)} & values.keys()
+    read = instants_of(numbers.values(), values)
     for k, name in enumerate(model.parameters):
-        h = min(STEP * (abs(values[name]) or 1.0), nearby.reach(k))
-        sides = [at(k, change, _parameters(model, name, change)) for change in (h, -h)]
-        columns.append((sides[0] - sides[1]) / (2.0 * h))
+        h = STEP * (abs(values[name]) or 1.0)
+        changed = _parameters(model, name, h)
+        if all(changed[other] == values[other] for other in used):  # it acts by the curves alone
+            h = max(h, STEP * nearby.scale(k))
+        h = min(h, nearby.reach(k))
+        h *= nearby.passes_none(read, instants_of(numbers.values(), _parameters(model, name, h)))
+        beside = {0: here}
+        for n in (1, -1, 2, -2):
+            with suppress(InputError):  # an instant that moves out of the run
+                beside[n] = at(k, n * h, _parameters(model, name, n * h))
+        columns.append(difference(beside, h))
     slopes = np.array(columns).T
     return {text: (float(here[n]), slopes[n]) for n, text in enumerate(numbers)}
+
+
+def parameters_of(output: Output) -> set[str]:
+    """Names that an output uses, of parameters and curves."""
+    nodes = [output.outer, *(reduction.inner for reduction in output.reductions)]
+    nodes += [reduction.argument for reduction in output.reductions if reduction.argument is not None]
+    return {name for node in nodes for name in names(node)}
+
+
+def instants_of(outputs: Iterable[Output], parameters: Mapping[str, float]) -> np.ndarray:
+    """Instants [s] of all `at` in outputs, one after the other; parameters: values [SI]."""
+    every = [reduction for output in outputs for reduction in output.reductions if reduction.kind == "at"]
+    return np.array([argument(reduction, parameters) for reduction in every])
+
+
+def difference(values: Mapping[int, np.ndarray], h: float) -> np.ndarray:
+    """Derivative from values at multiples of h, which hold that at 0.  Raises TraceError."""
+    if 1 in values and -1 in values:
+        return np.asarray((values[1] - values[-1]) / (2.0 * h))
+    for side in (1, -1):
+        if side in values:
+            if 2 * side in values:
+                return np.asarray(side * (4.0 * values[side] - values[2 * side] - 3.0 * values[0]) / (2.0 * h))
+            return np.asarray(side * (values[side] - values[0]) / h)
+    raise TraceError("an instant is outside of the run whatever a parameter does")
 
 
 def _parameters(model: RecordedModel, name: str, change: float) -> dict[str, float]:

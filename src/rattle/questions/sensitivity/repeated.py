@@ -53,11 +53,14 @@ class RepeatedSensitivities:
                 self._start = StartDerivatives(model, compiled)
         compiled.compile()
 
-    def at(self, system: System, start: Assembled, t_eval: np.ndarray, read_off: np.ndarray) -> Nearby:
-        """Curves and derivatives [SI] at t_eval (n,) [s] and on both sides of events, of the model with other values.
+    def at(
+        self, system: System, start: Assembled, t_eval: np.ndarray, read_off: np.ndarray | None = None
+    ) -> Nearby:  # fmt: skip
+        """Curves and derivatives [SI] at t_eval (n,) [s], of the model with other values.
 
-        system, start: of that model.  read_off: those of the instants [s] at which no event may be.  Raises TraceError
-        where the derivatives do not exist or the run stops.
+        system, start: of that model.  read_off: if given, curves are known all along a motion and on both sides of
+        events, and of t_eval at these instants [s], at which no event may be.  Raises TraceError where the derivatives
+        do not exist or the run stops.
         """
         values = {name: system.model.parameters[name].value for name in self.model.parameters}
         model = replace(self.model, system=system, start=start, parameters=values)
@@ -73,7 +76,7 @@ class RepeatedSensitivities:
         if flag[0, 0] != 1.0:
             raise TraceError("no sensitivities: with these values the model has other parts")
 
-    def _along_motion(self, model: RecordedModel, t_eval: np.ndarray, read_off: np.ndarray) -> Nearby:
+    def _along_motion(self, model: RecordedModel, t_eval: np.ndarray, read_off: np.ndarray | None) -> Nearby:
         functions = self._functions
         z, functions.parameters = self._start.at(model, _alone(model))
         functions.model = model
@@ -84,7 +87,7 @@ class RepeatedSensitivities:
             require_same_start(model, z[:, 0])
             self._touching.begin()
             run = ContactMotion(functions, self._touching, z, *how)
-        run.moments = []
+        run.moments = None if read_off is None else []
         run.go()
         if run.interrupted:
             raise KeyboardInterrupt
