@@ -19,6 +19,7 @@ parameters = {{ k = 10.0, later = 0.1, w = 30.0 }}
 ground.points.O = [0, 0]
 tables.ramp = {{ x = [0, 0.05, 0.1, 0.2, 0.4], y = [0, 1, 1, -1, 0], kind = "linear", period = 0.4 }}
 tables.once = {{ x = [-9, 0.03, 0.1, 0.2, 9], y = [0, 1, 1, -1, 0], kind = "linear" }}
+tables.measured = {{ x = [0, 0.05, 0.2], y = [0, 1, -1] }}
 bodies.b = {{ points = {{ C = [0.1, 0] }}, mass = 1, inertia = 0.02 }}
 joints.O = {{ type = "revolute", connect = ["ground.O", "b.C"]{joint} }}
 loads.push = {{ type = "torque", body = "b", torque = "{torque}" }}
@@ -88,14 +89,14 @@ loads.push = { type = "torque", body = "b", torque = "3*sign(sin(2*pi*t/T))" }
 initial = { b = { angle = 0, omega = 0 } }
 """)
     period = np.array([0.011, 0.037, 0.1, 0.5])
-    found, (most, mean) = side_by_side(m, {"T": period}, ["max(b.omega)", "at(b.omega, 0.25)"], 1.0)
+    found, (most, mean) = side_by_side(m, {"T": period}, ["max(b.omega)", "at(b.omega, 0.26)"], 1.003)
     assert most == pytest.approx(0.75 * period, rel=1e-9)
-    phase = np.mod(0.25 / period, 1.0)
+    phase = np.mod(0.26 / period, 1.0)
     assert mean == pytest.approx(1.5 * period * np.where(phase < 0.5, phase, 1.0 - phase), abs=1e-9)
     assert found.stats["turns"] >= int((2.0 / period).sum()) - 4
 
 
-@pytest.mark.parametrize("load", ["-lift*abs(ball.vy)*ball.vy", "lift*step(ball.y)", "lift*max(-ball.y, 0)"])
+@pytest.mark.parametrize("load", ["-lift*abs(ball.vy)*ball.vy", "lift*step(ball.y - 0.01)", "lift*max(-ball.y, 0)"])
 def test_an_impact_that_turns_a_switch_is_counted(load):
     push = f'loads.push = {{ type = "force", at = "ball.C", force = [0, "{load}"] }}'
     m = rt.loads(ball(h=0.1, more=push)).set(lift=0.3)
@@ -156,7 +157,7 @@ DRIVERS = [
 def test_drivers_whose_acceleration_jumps(driver):
     """Ramps, tables and pieces of functions that fit: the instants differ from sample to sample."""
     outputs = ["final(slider.x)", "max(O.force)", "final(slider.vx)", "final(energy.work)"]
-    assert_alike(slider_crank(driver), {"up": np.array([0.11, 0.13])}, outputs, 0.45, rel=1e-7, abs=1e-8)
+    assert_alike(slider_crank(driver), {"up": np.array([0.11, 0.13])}, outputs, 0.44, rel=1e-7, abs=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -189,3 +190,37 @@ def test_a_motor_that_runs_up_rattles_as_alone(motor):
     m = rt.loads(rt.example("slider_crank_play").to_toml().replace('angle = "speed*t"', motor))
     outputs = ["final(slider.x)", "time(B.contacts, 3)", "speed(B.contacts, 3)", "count(B.contacts)"]
     assert_alike(m, {"c": m.parameters["c"] * np.array([0.9, 1.1])}, outputs, 0.006, rel=1e-6)
+
+
+RESTS = [
+    "k*(1 if max(0, t - later) > 0 else 0)", "k*sign(max(0, t - later))", "k*step(step(t - later) - 1)",
+    "k*(1 if floor(t/later) > 0 else 0)", "k*floor(min(2, t/later))", "k*(1 if ramp(t) >= 1 else 0)",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("load", RESTS)
+def test_what_rests_where_it_jumps_is_left_to_single_runs(load):
+    """At its switch an expression has a value of its own: 0 > 0 does not hold, sign(0) = 0."""
+    m = pendulum(load)
+    a = m.many({"later": [0.05, 0.1]}, ["final(b.omega)"], t_end=0.23, **FINE)
+    assert list(a.generic) == [0, 1]
+    assert "rests where an expression jumps" in str(a)
+
+
+def test_a_kink_that_rests_runs_on():
+    outputs = ["final(b.angle)", "final(b.omega)"]
+    for load in ("k*abs(max(0, t - later))", "k*max(0, min(0, t - later)) + 1", "-0.1*abs(b.omega)*b.omega"):
+        assert_alike(pendulum(load, start="omega = 0"), {"later": np.array([0.05, 0.1])}, outputs, 0.23, rel=1e-7)
+
+
+@pytest.mark.parametrize("load", ["k*step(t - later)", "k*(1 if t < later else 0)", "k*floor(t/later)"])
+def test_a_jump_just_at_the_end_is_left_to_single_runs(load):
+    a = pendulum(load).many({"later": [0.1, 0.2]}, ["max(O.force)"], t_end=0.2, **FINE)
+    assert 1 in a.generic
+    assert "jumps just where it ends" in str(a)
+
+
+def test_a_table_may_end_with_the_run():
+    """As a measured torque does."""
+    m = pendulum("k*measured(t)")
+    assert_alike(m, {"k": np.array([9.0, 11.0])}, ["final(b.angle)", "final(energy.work)"], 0.2, rel=1e-7)

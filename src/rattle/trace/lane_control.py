@@ -39,6 +39,8 @@ class Status(IntEnum):
     CONTACTS = 7
     PRESSED = 8
     JOLT = 9
+    RESTS = 10
+    AT_STOP = 11
 
     @property
     def words(self) -> str:
@@ -58,6 +60,8 @@ WORDS = {
     Status.CONTACTS: "comes to more contacts at once than straight-line code follows, or what turns does not settle",
     Status.PRESSED: "is pressed into a wall at its start",
     Status.JOLT: "comes to a jump of a driver or its speed, or of gravity, which only single runs follow",
+    Status.AT_STOP: "has an expression that jumps just where it ends or is read off: single runs tell what is after it",
+    Status.RESTS: "rests where an expression jumps (as floor(t) > 0 does), which only single runs follow",
 }
 
 
@@ -131,6 +135,8 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         lane = Lane(running, good, fits, still, control[-1], ahead, planned, kept)
         turned = meeting.turn(proposed, lane)
         reached = select(turned.lost, float(Status.CONTACTS), reached)
+        reached = select(turned.rests, float(Status.RESTS), reached)
+        reached = select(turned.switched & last, float(Status.AT_STOP), reached)
         reached = select(turned.jolted, float(Status.JOLT), reached)
         reached = select(turned.unkept, float(Status.ASSUMPTION), reached)
         ahead = meeting.ahead(turned, stops.short)

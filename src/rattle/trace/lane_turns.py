@@ -43,7 +43,9 @@ class Turned(NamedTuple):
     landing: Operand  # number of tries that were to end at a contact
     lost: Flag  # a flag: the lane does not get on
     decided: Flag  # the joints that rub have modes that can last
+    switched: Flag  # an expression jumps at the end of its step
     jolted: Flag  # what drives it jumps
+    rests: Flag  # an expression that jumps rests where it does
     unkept: Flag  # its stages have failed too often
 
 
@@ -196,8 +198,11 @@ class Meeting:
         unkept = values["unsound"] > float(MOST_UNSOUND)
         decided = apply("not", _any(shut[n] > 2.5 for n in others) | jumps)
         lost = lost | (values["tried"] > float(MOST_TURNS))
-        jolted = flags.good & self._jolts(still)
-        return Turned(state, ahead, one(turns | (flags.good & waits)), landings, lost, decided, jolted, unkept)
+        switched = flags.good & apply("not", still) & self._jumps_now(still)
+        jolted, rests = flags.good & self._jolts(still), flags.good & self._rests_on_jumps()
+        return Turned(
+            state, ahead, one(turns | (flags.good & waits)), landings, lost, decided, switched, jolted, rests, unkept
+        )
 
     def _held(self, still: Flag) -> list[tuple[list[Operand], list[Operand]]]:
         """HELD_STARTS of the next step, and those of this one."""
@@ -371,6 +376,20 @@ class Meeting:
         """Whether a driver or gravity jumps with an expression that switches now, which only single runs follow."""
         calm = dict(zip(self.meets.held, self.ends.held["calm"], strict=True))
         return _any(self._switching(n, still)[0] & (calm[n] > 0.5) for n in self.meets.switching)
+
+    def _jumps_now(self, still: Flag) -> Flag:
+        """Whether an expression switches now whose sides differ."""
+        differs = dict(zip(self.meets.held, self.ends.held["bend"], strict=True))
+        return _any(self._switching(n, still)[0] & (differs[n] > 0.5) for n in self.meets.switching)
+
+    def _rests_on_jumps(self) -> Flag:
+        """Whether an expression stays at its switch, where it has a value of its own, if that of both sides differ."""
+        some: Flag = False
+        for n in self.meets.switching:
+            end = {name: rows[self.meets.held.index(n)] for name, rows in self.ends.held.items()}
+            rests = (abs(end["reserve"]) <= end["faint"]) & apply("equal", end["pressed"], 0.0)
+            some = some | (rests & (end["bend"] > 0.5))
+        return some
 
     def _beyond(self, n: int) -> Operand:
         """How far the force of a joint that sticks is above its limit, as a share; 0 if it is not."""

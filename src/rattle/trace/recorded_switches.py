@@ -26,6 +26,7 @@ from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_table import recorded_knots, recorded_segment
 
 MOST = 12  # switches
+SAME = 1e-9  # share by which branches that meet at a switch may differ
 ROUNDED, LEAST = 4e-15, 1e-13  # of a position, rate, state or time that is rounding: a share of it, and in SI units
 
 
@@ -45,6 +46,7 @@ class Switch(NamedTuple):
     slight: Operand  # of the value, what may be rounding
     side: Operand
     jolts: Flag  # the function of a driver, or its speed, jumps with it, or gravity
+    jumps: Flag  # the branches of its two sides differ
 
 
 class RecordedSwitches:
@@ -60,6 +62,7 @@ class RecordedSwitches:
             raise TraceError(f"more than {MOST} expressions switch")
         self.sides: list[Operand] = []
         self._values: dict[int, Operand] = {}  # switching functions, as last evaluated
+        self._jumps: dict[int, Flag] = {}  # whether branches differ, likewise
 
     def __len__(self) -> int:
         return len(self._places) + len(self.pawls)
@@ -101,8 +104,9 @@ class RecordedSwitches:
             )
             for value in values
         ]
+        jumps = [self._jumps.get(n, False) for n in range(len(self))]
         jolts = self._jolts(inputs[0], drive)
-        return [Switch(*each) for each in zip(values, changes, slight, self.sides, jolts, strict=True)]
+        return [Switch(*each) for each in zip(values, changes, slight, self.sides, jolts, jumps, strict=True)]
 
     def _jolts(self, t: Operand, drive: Callable[[], list[Driven]]) -> list[Flag]:
         """Of every switch, whether what drives has two values, or speeds, on its sides."""
@@ -125,7 +129,7 @@ class RecordedSwitches:
     def _on(self, row: int, value: Operand, plus: Operand, minus: Operand) -> Operand:
         """The branch of the side of the switch in a row, whose switching function has this value."""
         n = self._places[row]
-        self._values[n] = value
+        self._values[n], self._jumps[n] = value, _differ(plus, minus)
         return select(self.sides[n] > 0.0, plus, minus)
 
     def _branches(self, row: int, op: int, x: Operand, y: Operand) -> Operand:
@@ -197,6 +201,8 @@ class RecordedSwitches:
             ways = [self._on_side(side, op, const, k, stack, first, top) for side in (1, -1)]
         natural, rate = self._switching_jet(n, op, const, k, *(list(stack[first : top + 3]) + [0.0] * 3)[:6])
         given = self.sides[n]
+        differ = [_differ(plus, minus) for plus, minus in zip(*ways, strict=True)]
+        self._jumps[n] = differ[0] | differ[1] | differ[2]
         heads = select(apply("equal", natural, 0.0), rate, natural)
         side = select(apply("equal", given, 0.0), heads, given)
         chosen = [select(side > 0.0, plus, minus) for plus, minus in zip(*ways, strict=True)]
@@ -239,6 +245,10 @@ class RecordedSwitches:
             return value, dx - dy
         whole = z - _held(1, z)
         return whole * (1.0 - whole), rate * (1.0 - 2.0 * whole)
+
+
+def _differ(a: Operand, b: Operand) -> Flag:
+    return abs(a - b) > SAME * (abs(a) + abs(b))
 
 
 def _held(side: int, x: Operand) -> Operand:

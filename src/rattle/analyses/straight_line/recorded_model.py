@@ -259,7 +259,7 @@ def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray, switches: Se
         held.slip.append(switch.value)
         held.calm.append(select(switch.jolts, 1.0, 0.0))
         held.tangent.append(switch.rate)
-        held.bend.append(0.0)
+        held.bend.append(select(switch.jumps, 1.0, 0.0))
         held.faint.append(switch.slight)
     return held
 
