@@ -48,11 +48,17 @@ loads.turn = {{ type = "torque", body = "a", torque = "{torque}*{ramp}" }}
 """
 
 
-@pytest.mark.parametrize("seed", range(12))
+RAMPS = [
+    "max(0, t - since)", "min(1, max(0, (t - since)/0.05))", "max(0, t - since)**2",
+    "0.5*(1 - cos(pi*min(1, max(0, t - since)/0.05)))", "(exp(3*max(0, t - since)) - 1)",  # rounding for a while
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(20))
 def test_a_mechanism_without_force_begins_to_move_when_its_loads_begin(seed):
     """All joints rest without any force, until all forces begin at once: as from the start on, but later."""
     rng = np.random.default_rng(seed)
-    ramp = ("max(0, t - since)", "min(1, max(0, (t - since)/0.05))", "max(0, t - since)**2")[seed % 3]
+    ramp = RAMPS[seed % len(RAMPS)]
     form = {"mu": rng.uniform(0.05, 0.25), "r": rng.uniform(0.003, 0.02), "angle": rng.uniform(0.3, 2.8), "ramp": ramp}
     form |= {"fx": rng.uniform(-9.0, 9.0), "fy": rng.uniform(-9.0, 9.0), "torque": rng.uniform(-1.0, 1.0)}
     ends = []

@@ -101,6 +101,8 @@ GO_ON = column("landing", "s", "next step")
 TURNS = column("landing", "", "switchings so far")
 LAST_TURN = column("landing", "s", "time of the last one")
 AGAIN = column("landing", "", "switchings without progress in time")
+PATIENCE = column("landing", "", "how often the modes of joints were kept for a little because they went to and fro")
+PATIENT_UNTIL = column("landing", "s", "until when they are kept")
 LANDS_IN = column("landing", "s", "length of the step that ends there")
 
 LOOP = column("course", "", "RUNS_SMOOTHLY, RUNS_BY_EVENTS or RUNS_EQUAL_STEPS, see `run_loop`")

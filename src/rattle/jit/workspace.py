@@ -302,7 +302,7 @@ ARRAYS = {
     "halves": Array("f1", "128", "s", "ends of spans that wait to be looked at"),
     "span_stack": Array("f2", "depth, 4", "SI", "bounds of values and of their rates: scratch of expressions"),
     "signal_spans": Array("f2", "ns, 5", "SI", "the same of signals; 1 where the signal is needed"),
-    "landing": Array("f1", "6", "", "of switches that depend on the state, see `state_switches`"),
+    "landing": Array("f1", "8", "", "of switches that depend on the state, see `state_switches`"),
 }
 
 

@@ -455,17 +455,18 @@ def locate_change(m, t, h, low, right):
     return high, who
 
 
-@native("fi", "h", "f", "f", "f")
-def first_change_of_modes(m, t, h, until):
-    """Share of the step up to `until` at which the first mode cannot last (NONE if all do), and the joint.
+@native("fi", "h", "f", "f", "f", "f")
+def first_change_of_modes(m, t, h, until, left):
+    """Share of the step from `left` to `until` at which the first mode cannot last (NONE if all do), and the joint.
 
     Needs the dense output.
     """
-    left = 0.0
     for part in range(1, PARTS + 1):
         right = part / PARTS
         if left >= until:
             break
+        if right <= left:
+            continue
         look(m, t, h, right)
         if seek_changes(m):
             return locate_change(m, t, h, left, right)

@@ -22,6 +22,8 @@ from rattle.solvers.step_size import STANDSTILL, STANDSTILL_OF_RUN
 
 ACCEPT, REPEAT, SLIDES = 0, 1, 22  # the step is accepted; it is repeated; a switch changes its branch without end
 PARTS = 16  # pieces of a step that are searched
+RESTLESS, MOST_PATIENT = 20, 8  # switchings of joints after which their modes are kept for a little, and how often
+CALM = 1e-2  # share of a step without that, after which it counts anew
 ENDLESS = 200  # switchings without progress in time after which a run stops
 CLOSE = 1e-7  # share of a step that does not count as progress
 AHEAD = 1e-15  # share of the time by which modes are decided later: where loads begin all forces are zero just at it
@@ -69,7 +71,8 @@ def choose_sides(m, t, ahead):
     """Branches at the start of a run; if a switching function is zero, the one that it enters within `ahead` [s]."""
     y, f, stage, nq = m.state, m.rate, m.stage, m.change.shape[0]
     switch, code, landing = m.switch, m.code, m.landing
-    landing[at.LANDS], landing[at.AGAIN] = 0.0, 0.0
+    landing[at.LANDS], landing[at.AGAIN], landing[at.PATIENCE] = 0.0, 0.0, 0.0
+    landing[at.PATIENT_UNTIL] = t
     for n in range(switch.shape[0]):
         code[switch[n, at.OWN_CODE], SIDE] = 0
     derivative(m, t, y, f)
@@ -184,7 +187,7 @@ def land(m, t, h, t_end, go_on):
     landing = m.landing
     share, who = first_switch(m, t, h)
     if m.dry.shape[0] > 0:
-        sooner, joint = first_change_of_modes(m, t, h, min(share, 1.0))
+        sooner, joint = first_change_of_modes(m, t, h, min(share, 1.0), max(0.0, (landing[at.PATIENT_UNTIL] - t) / h))
         if joint >= 0 and sooner < share:
             share, who = sooner, m.switch.shape[0] + joint
     crossed(m)
@@ -228,6 +231,21 @@ def turn(m, t, y, who, h):
         decide(m, t * (1.0 + AHEAD) if mine else t, y, who - switch.shape[0] if mine else -1, 1)
     landing[at.AGAIN] = landing[at.AGAIN] + 1.0 if again else 0.0
     landing[at.LAST_TURN] = t
+    if landing[at.AGAIN] >= RESTLESS and who >= switch.shape[0]:
+        be_patient(m, t, h)
+
+
+@compiled
+def be_patient(m, t, h):
+    """Let joints keep their modes for a little: where loads begin all forces may be rounding, which turns them to and
+    fro.  A few times, each longer than the one before; h: usual step [s]."""
+    landing = m.landing
+    if t - landing[at.PATIENT_UNTIL] > CALM * h:
+        landing[at.PATIENCE] = 0.0
+    if landing[at.PATIENCE] < MOST_PATIENT:
+        landing[at.PATIENCE] += 1.0
+        landing[at.PATIENT_UNTIL] = t + CLOSE * h * 4.0 ** landing[at.PATIENCE]
+        landing[at.AGAIN] = 0.0
 
 
 @native("i", "h", "f", "v")

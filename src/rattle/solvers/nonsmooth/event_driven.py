@@ -46,9 +46,9 @@ MOST_AT_ONCE = 60  # events without progress in time after which a run stops
 MOST_IN_A_ROW = 200_000  # events, each after less than CROWDED of the run, after which it stops too
 CROWDED = 1e-6
 SAME_INSTANT = 1e-14  # share of the run within which events are at one instant
-AHEAD = (
-    1e-15  # share of the run by which a second event at one instant is later: where loads begin forces are zero there
-)
+AHEAD = 1e-15  # share of the run by which a second event at one instant is later: where loads begin all forces are zero
+FARTHER, FARTHEST = 4.0, 15.0  # how much later each of the next ones is, so many, at rest: forces may be rounding there
+AT_REST = 1e-9  # share of the size of the mechanism, and of 1 rad, that a body moves in a run at such a rate
 
 
 @native("i", "h", "f", "f")
@@ -79,10 +79,24 @@ def start(m, t, t_end):
     if who < 0:
         project_on_contacts(m, t, y, nearest)
     status = handle_event(m, t, y, who, NOTHING)
-    if status == OK and nearest >= 0 and is_unmoved(m):
-        status = handle_event(m, t + AHEAD * (t_end - t), y, -1, NOTHING)
+    ahead = AHEAD * (t_end - t)
+    for _ in range(int(FARTHEST)):
+        if status != OK or nearest < 0 or not is_unmoved(m):
+            break
+        status = handle_event(m, t + ahead, y, -1, NOTHING)
+        ahead *= FARTHER
     remember(m)
     return status
+
+
+@compiled
+def is_at_rest(m, t_end):
+    """True if no body moves, but for rounding."""
+    nq = m.change.shape[0]
+    for n in range(nq):
+        if abs(m.state_new[nq + n]) * t_end > AT_REST * (1.0 if n % 3 == 2 else m.course[at.EXTENT]):
+            return False
+    return True
 
 
 @compiled
@@ -188,7 +202,10 @@ def take_event(m, t, h, t_end, who, what):
     stuck[at.EVENT_WHO] = who
     if stuck[at.EVENTS_THERE] > MOST_AT_ONCE or stuck[at.EVENTS_IN_A_ROW] > MOST_IN_A_ROW:
         return CHATTER
-    status = handle_event(m, t + AHEAD * t_end if again else t, m.state_new, who, what)
+    ahead = AHEAD * t_end if again else 0.0
+    if again and is_at_rest(m, t_end):
+        ahead *= FARTHER ** min(stuck[at.EVENTS_THERE] - 1.0, FARTHEST)
+    status = handle_event(m, t + ahead, m.state_new, who, what)
     if status == OK and what != MEETS:
         m.clock[at.H] = min(max(m.clock[at.H], h), m.clock[at.H_STABLE])
     return status
