@@ -134,6 +134,10 @@ joints.rail = { type = "prismatic", connect = ["ground.O", "block.C"], angle = 0
 loads.pull = { type = "force", at = "block.C", force = ["F if t > on else 0", 0] }
 """
     )
+    both = m.set(**{"parameters.off": 0.7, "loads.pull.force": ["F if t > on and t < off else 0", 0]})
+    s = both.sensitivity(["block.vx", "mean(block.vx)"], ["on", "off"], [0.0, 1.0])
+    assert [s[f"d(block.vx)/d({name})"][-1] for name in ("on", "off")] == pytest.approx([-1.5, 1.5], rel=1e-8)
+    assert [s[f"d(mean(block.vx))/d({name})"][0] for name in ("on", "off")] == pytest.approx([-0.9, 0.45], rel=1e-7)
     for of, by_on, by_force in (
         ("mean(block.ax)", -1.5, 0.3),
         ("integral(block.vx)", -0.9, 0.09),

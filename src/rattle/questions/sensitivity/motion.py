@@ -190,6 +190,9 @@ class Motion:
             by_parameter, in_time = self.functions.margins(self.t, self.z, rates.values[:, 0])
             margins.append((by_parameter[flips], in_time[flips]))
         (by_parameter, speed), (_, speed_after) = margins
+        moves = (speed != 0.0) | (speed_after != 0.0)  # others jump with these, as conditions of several comparisons
+        if moves.any():
+            by_parameter, speed, speed_after = by_parameter[moves], speed[moves], speed_after[moves]
         if not (speed * speed_after > 0.0).all():
             self.message = (
                 f"stopped at t = {self.t:.6g} s: the motion stays on the switch of {self._names} (as in sticking);"
