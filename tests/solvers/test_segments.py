@@ -185,3 +185,30 @@ def test_a_box_that_flies_under_a_segment_with_two_corners_at_once_flies_on(cont
     assert r.success, r.message
     assert (r["box.x"][-1], r["box.y"][-1], r["box.angle"][-1]) == pytest.approx((0.5, -0.4, 0.0), abs=1e-9)
     assert not r.events
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_block_that_moves_into_a_segment_it_touches_goes_on_as_on_a_line(seed):
+    """One corner hits at the start, the other is not forgotten."""
+    rng = np.random.default_rng(seed)
+    vy, omega, e, mu = -rng.uniform(0.1, 1.0), rng.uniform(-3.0, 3.0), rng.uniform(0.0, 0.8), rng.choice([0.0, 0.3])
+    ends = []
+    for length in ("length = 2", ""):
+        r = rt.loads(f"""
+format = 1
+gravity = [0, -9.81]
+ground.points = {{ F = [0, 0] }}
+bodies.b = {{ points = {{ C = [0, -0.05], P = [-0.1, -0.05], Q = [0.1, -0.05] }}, mass = 1, inertia = 0.005 }}
+initial.b = {{ x = 0, y = 0.05, angle = 0, vx = 0, vy = {vy}, omega = {omega} }}
+[joints.floor]
+type = "surface"
+connect = ["ground.F", "b.C"]
+axis = 0
+{length}
+corners = ["P", "Q"]
+contact = {{ model = "impact", restitution = {e}, friction = {mu} }}
+""").simulate(0.2, t_eval=[0.0, 0.2], rtol=1e-10)
+        assert r.success, r.message
+        assert r.trust.energy_balance < 1e-9
+        ends.append([r[f"b.{key}"][-1] for key in ("x", "y", "angle", "vy")])
+    assert ends[0] == pytest.approx(ends[1], abs=1e-7)

@@ -65,6 +65,7 @@ def start(m, t, t_end):
     for n in range(contact.shape[0]):
         if m.contact_memory[n, at.CLOSED] == at.AUTO:
             m.contact_memory[n, at.CLOSED] = at.OPEN
+    for n in range(contact.shape[0]):
         if contact[n, at.LEVEL] == 1:
             who = n if contact[n, at.IMPACT] == 1 and takes_impulses(m, n) and gets_ahead(m, n) else who
             continue
