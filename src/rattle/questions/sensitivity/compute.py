@@ -207,9 +207,10 @@ def _with_numbers(asked: Asked, numbers: Mapping[str, Output], analysis: str) ->
     found, k = {}, answer.derivatives.shape[2]
     names = [name for name in (*plain, *curves) if name not in asked.of_contacts]
     if answer.nearby is not None:
-        found = number_slopes(numbers, asked.model, names, answer.nearby)
-    else:
-        notes = (*answer.trust.notes, f"no derivative of {', '.join(numbers)}: they are of the whole run")
+        known = {text: output for text, output in numbers.items() if answer.nearby.holds(output, asked.model.values)}
+        found = number_slopes(known, asked.model, names, answer.nearby) if known else {}
+    if lacking := [text for text in numbers if text not in found]:
+        notes = (*answer.trust.notes, f"no derivative of {', '.join(lacking)}")
         answer.trust = replace(answer.trust, notes=notes)
     rows = np.isin(times[: len(answer.values)], asked.t_eval)
     columns = {name: (answer.values[rows, n], answer.derivatives[rows, n]) for n, name in enumerate(plain)}
@@ -250,10 +251,13 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
     n, nearby = len(run.values), None
     grazed = isinstance(run, ContactMotion) and run.grazed < run.t
     if asked.read_off is not None and not (run.message or grazed or reach < run.t):
-        try:
-            nearby = Nearby.of(run, asked.read_off)
-        except TraceError as error:
-            trust = replace(trust, notes=(*trust.notes, str(error).removeprefix("no sensitivities: ")))
+        for kept in (asked.read_off, np.array([0.0, run.t])):  # those of other numbers too, or the ends alone
+            try:
+                nearby = Nearby.of(run, kept)
+                break
+            except TraceError as error:
+                note = str(error).removeprefix("no sensitivities: ")
+                trust = replace(trust, notes=tuple(dict.fromkeys([*trust.notes, note])))
     values, derivatives = np.array(run.values).reshape(n, count), np.array(run.derivatives).reshape(n, count, k)
     if isinstance(run, ContactMotion):
         own = {name: (values[:, c], derivatives[:, c]) for c, name in enumerate(curves)}

@@ -7,7 +7,7 @@ and by that of the instant itself: rows of both sides move along with it, so tha
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,6 +17,7 @@ from rattle.errors import TraceError
 from rattle.questions.sensitivity.contacts import ContactMotion, Met
 from rattle.questions.sensitivity.motion import Moment, Motion
 from rattle.results.event import Event
+from rattle.results.reductions import Output, needed_instants
 
 MOVED = 1e-7  # share of the run by which the instants of events are moved at most
 ROOM = 0.2  # share of the way to the next event by which an instant that is read off is moved at most
@@ -69,6 +70,10 @@ class Nearby:
         along = np.array([row.slopes for row in rows])
         along += np.array([row.rates for row in rows])[:, :, None] * moved[:, None, :]
         return cls(own, moved, np.array([row.values for row in rows]), along, **contacts)
+
+    def holds(self, output: Output, parameters: Mapping[str, float]) -> bool:
+        """Whether the instants that an output reads off are among the rows."""
+        return bool(np.isin(needed_instants(output, parameters), self.t).all())
 
     def scale(self, k: int) -> float:
         """Change of parameter k [SI] that changes a curve by about its size; at most 1."""
