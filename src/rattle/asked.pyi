@@ -246,8 +246,9 @@ class OfMechanism:
     ) -> Result:
         """Exact derivatives of curves by parameters, for all of them at once: `s["d(rocker.angle)/d(l2)"]` [SI].
 
-        outputs: names of a result, and of contacts "time(B.contacts, 2)", "speed(...)", "peak(...)", whose derivatives
-        are the same at all instants.  parameters: names of parameters; all else that is written with them follows.
+        outputs: names of a result, and numbers of the whole run, "max(abs(B.force))", "mean(...)", of contacts
+        "time(B.contacts, 2)", "speed(...)", "peak(...)", whose derivatives are the same at all instants.
+        parameters: names of parameters; all else that is written with them follows.
         t_eval: output instants [s] (default: those of the model; t = 0 for an equilibrium).
         analysis: "simulate" integrates the derivatives along with the motion, start included, and controls the errors
         of both; "kinematics", "inverse-dynamics" and "equilibrium" (one instant, or a quasi-static path) solve for
