@@ -116,6 +116,7 @@ def test_the_length_of_a_bearing_with_play_is_known_wherever_it_is_written(place
     assert m.model.joints["B"].wear.length == pytest.approx(0.015)
 
 
+@pytest.mark.long
 def test_a_joint_with_play_lasts_as_long_as_its_map_says():
     limit, jump = 5e-6, 4e4
     m = rt.example("slider_crank_worn").set({"joints.B.wear.limit": limit, "joints.B.wear.jump": jump})

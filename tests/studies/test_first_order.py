@@ -87,10 +87,10 @@ def test_effects_that_rise_and_fall_again_count_and_interactions_do_not():
 @pytest.mark.parametrize("design", ["lhs", pytest.param("random", marks=pytest.mark.long)])
 def test_bounds_hold_the_index_in_nineteen_of_twenty_ensembles(design):
     fields, held = [field("a"), field("b"), field("c")], np.zeros(3)
-    for seed in range(60):
+    for seed in range(30):
         got = found(fields, quadratic, n=400, seed=seed, design=design)
         held += [one.low <= true <= one.high for one, true in zip(got.indices, QUADRATIC, strict=True)]
-    assert (held >= 51).all()  # 57 are expected, with a standard deviation of 1.7
+    assert (held >= 25).all()  # 28.5 are expected, with a standard deviation of 1.2
 
 
 @pytest.mark.parametrize("dist", ["uniform", "normal", "triangular"])
