@@ -204,23 +204,29 @@ def _with_numbers(asked: Asked, numbers: Mapping[str, Output], analysis: str) ->
     plain = [name for name in asked.outputs if name not in numbers]
     curves = [name for name in curves_of(numbers) if name not in plain]
     answer, units = FIND[analysis](replace(asked, outputs=(*plain, *curves), t_eval=times, read_off=kept))
-    found, k = {}, answer.derivatives.shape[2]
-    names = [name for name in (*plain, *curves) if name not in asked.of_contacts]
-    if answer.nearby is not None:
-        known = {text: output for text, output in numbers.items() if answer.nearby.holds(output, asked.model.values)}
-        found = number_slopes(known, asked.model, names, answer.nearby) if known else {}
-    if lacking := [text for text in numbers if text not in found]:
-        notes = (*answer.trust.notes, f"no derivative of {', '.join(lacking)}")
-        answer.trust = replace(answer.trust, notes=notes)
     rows = np.isin(times[: len(answer.values)], asked.t_eval)
     columns = {name: (answer.values[rows, n], answer.derivatives[rows, n]) for n, name in enumerate(plain)}
-    for text, output in numbers.items():
-        value, slopes = found.get(text, (np.nan, np.full(k, np.nan)))
+    names = [name for name in (*plain, *curves) if name not in asked.of_contacts]
+    for text, (value, slopes) in _slopes_of(asked, numbers, names, answer).items():
         columns[text] = np.full(rows.sum(), value), np.tile(slopes, (rows.sum(), 1))
-        units[text] = output.unit
+        units[text] = numbers[text].unit
     answer.values = np.array([columns[name][0] for name in asked.outputs]).T
     answer.derivatives = np.array([columns[name][1] for name in asked.outputs]).transpose(1, 0, 2)
     return answer, units
+
+
+def _slopes_of(
+    asked: Asked, numbers: Mapping[str, Output], curves: Sequence[str], answer: Found
+) -> dict[str, tuple[float, np.ndarray]]:  # fmt: skip
+    """Value and derivatives (k,) of every number, nan and a note where there are none; curves: names of the columns."""
+    lacking = np.nan, np.full(answer.derivatives.shape[2], np.nan)
+    slopes, nearby = dict.fromkeys(numbers, lacking), answer.nearby
+    if nearby is not None:
+        held = {text: output for text, output in numbers.items() if nearby.holds(output, asked.model.values)}
+        slopes |= number_slopes(held, asked.model, curves, nearby) if held else {}
+    if texts := [text for text, pair in slopes.items() if pair is lacking]:
+        answer.trust = replace(answer.trust, notes=(*answer.trust.notes, f"no derivative of {', '.join(texts)}"))
+    return slopes
 
 
 # ---------------------------------------------------------------- the analyses
@@ -248,16 +254,9 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
     stats = {"steps": run.steps, "rejected": run.rejected, "switchings": run.switched}
     if run.interrupted:
         stats["interrupted"] = True
-    n, nearby = len(run.values), None
-    grazed = isinstance(run, ContactMotion) and run.grazed < run.t
-    if asked.read_off is not None and not (run.message or grazed or reach < run.t):
-        for kept in (asked.read_off, np.array([0.0, run.t])):  # those of other numbers too, or the ends alone
-            try:
-                nearby = Nearby.of(run, kept)
-                break
-            except TraceError as error:
-                note = str(error).removeprefix("no sensitivities: ")
-                trust = replace(trust, notes=tuple(dict.fromkeys([*trust.notes, note])))
+    n = len(run.values)
+    nearby, unread = _nearby(asked, run, reach)
+    trust = replace(trust, notes=(*trust.notes, *unread))
     values, derivatives = np.array(run.values).reshape(n, count), np.array(run.derivatives).reshape(n, count, k)
     if isinstance(run, ContactMotion):
         own = {name: (values[:, c], derivatives[:, c]) for c, name in enumerate(curves)}
@@ -268,6 +267,23 @@ def _simulate(asked: Asked) -> tuple[Found, dict[str, str]]:
         values, derivatives, trust, stats, run.message, {"method": "dop853", "rtol": asked.rtol, "atol": asked.atol},
         nearby,
     ), units  # fmt: skip
+
+
+def _nearby(asked: Asked, run: Motion, reach: float) -> tuple[Nearby | None, list[str]]:
+    """How numbers of the whole run change, if some are asked for and it comes to its end, and notes on what is lacking.
+
+    An event at an instant that one number reads off leaves the others, which do not.
+    """
+    grazed = isinstance(run, ContactMotion) and run.grazed < run.t
+    if asked.read_off is None or run.message or grazed or reach < run.t:
+        return None, []
+    notes: list[str] = []
+    for kept in (asked.read_off, np.array([0.0, run.t])):
+        try:
+            return Nearby.of(run, kept), notes
+        except TraceError as error:
+            notes = list(dict.fromkeys([*notes, str(error).removeprefix("no sensitivities: ")]))
+    return None, notes
 
 
 def _growth_notes(asked: Asked, run: Motion) -> tuple[list[str], float]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -42,34 +41,22 @@ class Nearby:
         read_off: instants [s] that rows must keep.  Raises TraceError where an event comes at one of them.
         """
         values, slopes = np.array(run.values), np.array(run.derivatives)
-        t = run.t_eval[: len(values)]
-        contacts: dict[str, Any] = {}
-        if isinstance(run, ContactMotion):
-            are = run.touching.are
-            rigid = frozenset(joint for joint, is_rigid in zip(are.joints, are.rigid, strict=True) if is_rigid)
-            contacts = {"met": run.met, "rigid": rigid}
+        t, still = run.t_eval[: len(values)], np.zeros(slopes.shape[2])
         if read_off is None or not run.moments:
-            return cls(t, np.zeros((len(t), slopes.shape[2])), values, slopes, **contacts)
+            return cls(t, np.tile(still, (len(t), 1)), values, slopes, *_contacts(run))
         events = {moment.t: moment.shift for moment in run.moments if moment.shift is not None and moment.shift.any()}
-        clear = CLEAR * MOVED * run.t_end
-        at = np.array(sorted(events))
+        clear, at = CLEAR * MOVED * run.t_end, np.array(sorted(events))
         fixed = np.flatnonzero(np.isin(t, read_off))
         if (near := t[fixed][_distance(t[fixed], at) <= clear]).size:
             raise TraceError(f"no sensitivities: a contact begins or ends at t = {near[0]:.6g} s, which is read off")
-        still = np.zeros(slopes.shape[2])
         rows = [Moment(t[n], values[n], slopes[n], np.zeros(len(values[n])), still) for n in fixed]
-        rows += [one for one in run.moments if one.shift is not None or _distance(one.t, at) > clear]
+        rows += [row for row in run.moments if row.shift is not None or _distance(row.t, at) > clear]
         rows.sort(key=lambda row: row.t)  # both sides of an event stay as they are
-        knots = {**dict.fromkeys([0.0, *t[fixed].tolist(), run.t_end], still), **events}
-        times = np.array(sorted(knots))
-        shifts = np.array([knots[time] for time in times])
-        own = np.array([row.t for row in rows])
-        moved = np.stack([np.interp(own, times, column) for column in shifts.T], axis=1)
-        for n, row in enumerate(rows):
-            moved[n] = moved[n] if row.shift is None else row.shift
+        shift = _shifts(rows, {**dict.fromkeys([0.0, *t[fixed].tolist(), run.t_end], still), **events})
         along = np.array([row.slopes for row in rows])
-        along += np.array([row.rates for row in rows])[:, :, None] * moved[:, None, :]
-        return cls(own, moved, np.array([row.values for row in rows]), along, **contacts)
+        along += np.array([row.rates for row in rows])[:, :, None] * shift[:, None, :]
+        instants, values = (np.array([row[part] for row in rows]) for part in (0, 1))
+        return cls(instants, shift, values, along, *_contacts(run))
 
     def holds(self, output: Output, parameters: Mapping[str, float]) -> bool:
         """Whether the instants that an output reads off are among the rows."""
@@ -117,3 +104,21 @@ def _distance(t: np.ndarray | float, events: np.ndarray) -> np.ndarray:
     after = np.searchsorted(events, t)
     bounded = np.concatenate([[-np.inf], events, [np.inf]])
     return np.asarray(np.minimum(t - bounded[after], bounded[after + 1] - t))
+
+
+def _contacts(run: Motion) -> tuple[Sequence[Met], frozenset[str]]:
+    """Those of a motion, and the joints whose contacts are rigid."""
+    if not isinstance(run, ContactMotion):
+        return (), frozenset()
+    are = run.touching.are
+    return run.met, frozenset(joint for joint, rigid in zip(are.joints, are.rigid, strict=True) if rigid)
+
+
+def _shifts(rows: Sequence[Moment], knots: Mapping[float, np.ndarray]) -> np.ndarray:
+    """(n, k) derivatives of the instants of rows: their own, or between those of the knots, by time [s]."""
+    times = np.array(sorted(knots))
+    own, at_knots = np.array([row.t for row in rows]), np.array([knots[time] for time in times])
+    shifts = np.stack([np.interp(own, times, column) for column in at_knots.T], axis=1)
+    for n, row in enumerate(rows):
+        shifts[n] = shifts[n] if row.shift is None else row.shift
+    return shifts

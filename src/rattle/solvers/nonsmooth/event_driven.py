@@ -57,14 +57,28 @@ def start(m, t, t_end):
 
     Where nothing is moved at the start, what touches is decided by the forces just after it.
     """
-    contact, kinematics, mode, y = m.contact, m.contact_kinematics, m.mode, m.state
+    y = m.state
     project(m, t, y)
     start_contacts(m, t, y)
     seat_pawls(m, True)
-    who, nearest = -1, -1
-    for n in range(contact.shape[0]):
+    for n in range(m.contact.shape[0]):
         if m.contact_memory[n, at.CLOSED] == at.AUTO:
             m.contact_memory[n, at.CLOSED] = at.OPEN
+    who, nearest = touching(m)
+    if who < 0:
+        project_on_contacts(m, t, y, nearest)
+    status = handle_event(m, t, y, who, NOTHING)
+    if nearest >= 0:
+        status = decide_just_after(m, t, t_end, status)
+    remember(m)
+    return status
+
+
+@compiled
+def touching(m):
+    """The contact that hits at the start (-1: none), and the one nearest to its wall among those that are at theirs."""
+    contact, kinematics, mode = m.contact, m.contact_kinematics, m.mode
+    who, nearest = -1, -1
     for n in range(contact.shape[0]):
         if contact[n, at.LEVEL] == 1:
             who = n if contact[n, at.IMPACT] == 1 and takes_impulses(m, n) and gets_ahead(m, n) else who
@@ -77,16 +91,18 @@ def start(m, t, t_end):
         if kinematics[n, at.DGAP] < -rate_rounding(m, n):
             who = n
             break
-    if who < 0:
-        project_on_contacts(m, t, y, nearest)
-    status = handle_event(m, t, y, who, NOTHING)
+    return who, nearest
+
+
+@compiled
+def decide_just_after(m, t, t_end, status):
+    """Modes of contacts by the forces just after the start t [s], as long as nothing is moved there."""
     ahead = AHEAD * (t_end - t)
     for _ in range(int(FARTHEST)):
-        if status != OK or nearest < 0 or not is_unmoved(m):
+        if status != OK or not is_unmoved(m):
             break
-        status = handle_event(m, t + ahead, y, -1, NOTHING)
+        status = handle_event(m, t + ahead, m.state, -1, NOTHING)
         ahead *= FARTHER
-    remember(m)
     return status
 
 
