@@ -287,7 +287,7 @@ class OfMechanism:
         t_end: [s].  rtol (default 1e-8), atol, method, step: as in `simulate`.  threads: default one per core.
 
         Returns `found[output]`, an array (n,) [SI], nan where it has no value: `found.failed`, `found.message(i)`.
-        Mechanisms without contacts run side by side, where sample i gives the same bits whatever stands beside it;
+        Samples run side by side, with contacts too, where sample i gives the same bits whatever stands beside it;
         what that cannot vouch for runs one by one: `found.generic`, and `found.stats["how"]` says why.
         Whether a massless link pulls is not checked: ask for "min(O3.normal)".
         Raises ModelError for an output that cannot be read, UnknownName for a parameter, ValueError."""

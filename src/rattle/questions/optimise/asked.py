@@ -87,9 +87,13 @@ class Question:
     def follows_contacts(self) -> bool:
         """Whether derivatives of the curves and of contacts make those of the outputs: not of numbers of events, of
         impulses, nor beside a mechanism without play, whose curves jump elsewhere."""
-        kinds = {reduction.kind for output in self.outputs for reduction in output.reductions}
         touches = self.analysis == "simulate" and len(self.mechanism.system.arrays["contact"]) > 0
-        return touches and not kinds & {"count", HARDEST} and not self.ideal_curves
+        return touches and not self.counts_events and not self.ideal_curves
+
+    @property
+    def counts_events(self) -> bool:
+        """Whether an output is a number of events, or an impulse."""
+        return any(r.kind in ("count", HARDEST) for output in self.outputs for r in output.reductions)
 
     @property
     def is_between(self) -> bool:

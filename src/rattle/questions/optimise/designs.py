@@ -245,6 +245,8 @@ class Designs:
             raise TraceError(self._why_not)
         if self._exact is None:
             question = self.question
+            if question.counts_events:
+                raise TraceError("numbers of events, and impulses, have no derivatives")
             rtol = min(RTOL, question.mechanism.model.settings.rtol or RTOL)
             touches = question.follows_contacts
             try:
