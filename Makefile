@@ -7,9 +7,11 @@ WHEEL := $(VENV)-wheel
 # tests of rooms that have kernels; the others would run the same Python twice
 KERNELS := $(addprefix tests/, analyses elements equations jit language solvers)
 # rooms whose packages the others meet too, which show what is too old
-ALIKE := $(addprefix --ignore=tests/, analyses description durability elements equations exchange foreign heat language \
-	pages sketch solvers strength) \
-	$(addprefix --ignore=tests/test_, docs.py examples.py examples_of_machines.py random_mechanisms.py words.py)
+ALIKE := $(addprefix --ignore=tests/, analyses catalogue description durability elements equations exchange foreign heat \
+	language pages sketch solvers strength studio) \
+	$(addprefix --ignore=tests/test_, docs.py examples.py examples_of_machines.py messages.py pages.py \
+	random_mechanisms.py words.py wrong_arguments.py) --ignore=tests/results/test_breaks.py \
+	$(patsubst %,--ignore=tests/studies/test_%_side_by_side.py, contacts rubbing switches)
 SPHINX = $(BIN)/python -m sphinx -q -W --keep-going -b html -d build/doctrees docs build/docs
 
 # tests start Python hundreds of times: what it has compiled is kept
