@@ -113,6 +113,7 @@ free_length = 0.2
         assert r["motor.power"][2] == pytest.approx(rate, abs=1e-7)
 
 
+@pytest.mark.machine
 @nojit
 def test_a_coarse_grid_gives_the_same_positions_as_a_fine_one():
     m = rt.loads(slider_crank('joint = "O"\nangle = "20*t"'))
@@ -299,6 +300,7 @@ def test_signals_are_recorded_with_their_units():
     np.testing.assert_allclose(r["speed"], np.abs(r["slider.vx"]), atol=1e-15)
 
 
+@pytest.mark.machine
 @nojit
 def test_hint_at_open_clearance_is_a_sentence_of_its_own():
     """Whether what cannot be assembled is said in one sentence, without a full stop, or in several."""

@@ -259,6 +259,7 @@ def test_a_toggle_clamp_amplifies_as_one_over_the_sine():
     assert r.unit("work.advantage") == "1/m"
 
 
+@pytest.mark.machine
 @nojit
 def test_slow_motion_with_play_stays_on_its_branch_and_meets_the_single_positions():
     m = rt.loads(paper(-40.0, 9.81))

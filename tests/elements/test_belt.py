@@ -199,7 +199,10 @@ def test_a_rigid_stop_beside_an_elastic_belt_is_hit_and_keeps_the_energy():
 WRAP = math.pi - 2 * math.asin(0.1 / 0.5)  # about the pulley of 0.1 m
 
 
-@pytest.mark.parametrize(("mu", "crossed"), [(None, False), (0.2, False), (0.5, True)])
+@pytest.mark.parametrize(
+    ("mu", "crossed"),
+    [(0.2, False), *(pytest.param(*one, marks=pytest.mark.machine) for one in ((None, False), (0.5, True)))],
+)
 def test_a_run_says_from_when_on_a_belt_would_slip_by_the_formula_of_eytelwein(mu, crossed):
     """Both strands bear T0 +- M/(2 r): they slip from M = 2 r T0 (E - 1)/(E + 1) on, E = exp(mu wrap)."""
     wrap = math.pi + 2 * math.asin(0.3 / 0.5) if crossed else WRAP

@@ -54,6 +54,7 @@ def test_free_pair_keeps_momentum_and_angular_momentum_and_loses_what_is_damped(
     assert r["energy.dissipated"][-1] > 0.5
 
 
+@pytest.mark.machine
 def test_recorded_forces_are_those_that_accelerate_the_second_body():
     r = two_bodies(gravity=[0, -9.81]).simulate(0.1, t_eval=np.linspace(0, 0.1, 5), **FINE)
     np.testing.assert_allclose(r["bush.fx"], 2 * r["b.ax"], atol=1e-8)
@@ -79,6 +80,7 @@ def test_a_body_on_a_ground_point_that_moves_starts_where_it_is_without_force(tu
     assert starts[1][0] > 0.3
 
 
+@pytest.mark.machine
 def test_load_displaces_along_the_axes_of_the_first_body_beyond_the_offset():
     """A turns by 0.7 rad and stays there: a force along its x axis gives way by F/k_x, and k_y does not matter."""
     m = rt.Mechanism().ground(O=[0, 0]).body("frame", mass=1, inertia=1, points={"O": [0, 0], "P": [0.3, 0.1]})

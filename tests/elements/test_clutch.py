@@ -74,6 +74,7 @@ def test_a_clutch_may_name_its_bodies_by_points():
         assert list(by_point[name]) == list(by_body[name])
 
 
+@pytest.mark.machine
 @nojit
 def test_other_sense_is_the_mirror_image():
     one, two = flywheels().simulate(0.6, **FINE), flywheels("sense = -1", "-10*sin(2*pi*t)").simulate(0.6, **FINE)
@@ -211,6 +212,7 @@ def test_networks_of_clutches_follow_the_only_possible_modes(seed):
     assert [r[f"r{i}.omega"][-1] for i in range(n)] == pytest.approx(reference(inertias, laws, ties, 3.0), abs=1e-9)
 
 
+@pytest.mark.machine
 @nojit
 def test_a_run_says_how_often_a_clutch_locks_and_what_it_bears():
     r = rt.example("ratchet").simulate()

@@ -79,7 +79,7 @@ def test_energy_of_a_cord_is_booked_where_the_damper_takes_all_of_its_force():
     assert r["energy.work"].tolist() == [0.0] * len(T)
 
 
-@pytest.mark.parametrize("name", ["k", "c", "l0"])
+@pytest.mark.parametrize("name", ["l0", *(pytest.param(x, marks=pytest.mark.machine) for x in ("k", "c"))])
 def test_derivatives_through_its_switches_are_those_of_neighbours(name):
     m, at, by = falling(20.0), [0.2, 0.45, 0.9], {"k": 0.05, "c": 0.002, "l0": 5e-5}[name]
     exact = m.sensitivity(["b.y", "cord.force"], [name], at)
@@ -100,6 +100,7 @@ def between_walls(tension_only):
     return m.initial("b", x=0.05)
 
 
+@pytest.mark.machine
 def test_slack_cord_has_neither_force_nor_stiffness_nor_damping_at_rest():
     """The left cord alone holds 60 N, 200 (0.1 + x) = 60; with two springs 200 (0.1 + x) - 900 (0.1 - x) = 60."""
     for tension_only, x, stiffness, damping in ((True, 0.2, 200, 6), (False, (60 + 70) / 1100, 1100, 12)):

@@ -97,6 +97,7 @@ def test_ratio_does_not_depend_on_the_distance_of_the_centres():
     assert moment == pytest.approx(abs(1.0 - 1e-3 * 20.0), rel=1e-8)  # load and inertia
 
 
+@pytest.mark.machine
 def test_free_wheel_hits_both_flanks_as_the_symmetric_closed_form_says():
     """Driver A sin(w t) along the line, total play b, restitution e: A cos p = -K (2 A sin p + b)."""
     ratio, e, size, w = 3.0, 0.5, 1e-3, 100.0

@@ -118,7 +118,7 @@ friction = MU
 """
 
 
-@pytest.mark.parametrize("mu", [0.1, 0.3])
+@pytest.mark.parametrize("mu", [0.3, pytest.param(0.1, marks=pytest.mark.machine)])
 def test_a_rough_flat_follower_needs_the_moment_of_its_lift_and_of_its_slip(mu):
     """The face slips at w y, y its height, so that M = N (dy/da + mu y), N = m (g + y'')."""
     w, t = 5.0, np.linspace(0.0, 1.2, 61)

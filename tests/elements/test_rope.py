@@ -75,7 +75,9 @@ def test_it_falls_free_jerks_and_swings() -> None:
     [
         '{ model = "impact", restitution = 1 }',
         '{ model = "impact", restitution = 0.4 }',
-        '{ model = "exact", stiffness = 1e5, exponent = 1.5, restitution = 0.7 }',
+        pytest.param(
+            '{ model = "exact", stiffness = 1e5, exponent = 1.5, restitution = 0.7 }', marks=pytest.mark.machine
+        ),
         '{ model = "hertz", stiffness = 1e5, exponent = 1, damping = 30 }',
     ],
 )
@@ -117,6 +119,7 @@ def test_an_elastic_rope_is_a_spring_that_only_pulls() -> None:
     assert len([event for event in r.events if event.kind == "contact"]) >= 3
 
 
+@pytest.mark.machine
 def test_no_end_is_missed_and_none_invented() -> None:
     """Straight flights past a small least distance, from 0.1 to 1000 m/s, in one step: roots of |p + v t| are known."""
     rng = np.random.default_rng(3)
@@ -202,6 +205,7 @@ def test_power_books_the_jerk_and_the_rope_gives_nothing_back() -> None:
     assert lost > 1
 
 
+@pytest.mark.machine
 def test_moreau_converges_to_the_event_driven_run() -> None:
     m = rt.loads(bob('{ model = "impact", restitution = 0.5 }', "x = 0.1, y = 0.9"))
     exact = m.simulate(1.0, t_eval=[0, 1.0], **FINE)

@@ -391,6 +391,7 @@ def test_an_equilibrium_says_that_the_ends_of_a_slot_are_left_out():
     assert "ends" not in scotch_yoke().equilibrium().note
 
 
+@pytest.mark.machine
 @nojit
 def test_positions_beyond_the_ends_of_a_slot_are_noted_by_every_analysis_of_a_driven_mechanism():
     """The pin of the yoke goes to +-50 mm, beyond 30 mm from asin 0.6 on; a slot of 120 mm holds it."""
@@ -435,7 +436,7 @@ def test_no_equilibrium_of_a_bead_that_rests_at_the_end_of_its_slot_has_that_as_
 
 # ---------------------------------------------------------------- friction without play
 @nojit
-@pytest.mark.parametrize("mu", [0.1, 0.4])
+@pytest.mark.parametrize("mu", [0.1, pytest.param(0.4, marks=pytest.mark.machine)])
 def test_friction_in_the_slot_of_a_yoke_takes_the_moment_that_virtual_work_says(mu):
     """N = m r w^2 cos, sliding at r w cos: M = m r^2 w^2 (sin cos + mu cos^2), in inverse dynamics and in a run."""
     t = np.linspace(0.0, 0.0628, 101)

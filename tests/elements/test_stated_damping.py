@@ -153,6 +153,7 @@ initial.s = { x = 0, vx = 1 }
     assert "damping" not in m.with_contact("impact").contact_of("O")
 
 
+@pytest.mark.machine
 def test_it_rests_and_vibrates_by_spring_and_damper() -> None:
     """Under its weight the depth is m g/K; about it a viscous damper, zeta = c/(2 sqrt(K m))."""
     text = slider('{ model = "hertz", stiffness = 1e3, exponent = 1, damping = 6 }', start="x = 0.009")

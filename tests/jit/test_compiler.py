@@ -28,6 +28,7 @@ def all_compiled():
     return found
 
 
+@pytest.mark.machine
 @pytest.mark.nojit
 def test_no_compiled_function_counts_from_the_end_of_an_array():
     functions = all_compiled()

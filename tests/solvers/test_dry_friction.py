@@ -122,6 +122,7 @@ def test_a_drawer_pushed_beside_its_middle_jams_from_a_over_e_on(mu, moves):
     assert abs(run["block.x"][1] - (0.5 * 10 * (1 - 5 * mu) if moves else 0.0)) < 1e-11
 
 
+@pytest.mark.machine
 def test_a_block_on_a_belt_sticks_and_slips_with_the_period_of_the_closed_form():
     belt = """
 [bodies.belt]
@@ -262,7 +263,7 @@ def test_a_driven_pin_needs_the_moment_of_its_friction_in_the_sense_of_its_rate(
     assert np.allclose(kinds(run, "pin", "slip"), [0.25, 0.75], atol=1e-9, rtol=0)
 
 
-@pytest.mark.parametrize(("wind", "holds"), [(-0.1, True), (-1.0, False)])
+@pytest.mark.parametrize(("wind", "holds"), [pytest.param(-0.1, True, marks=pytest.mark.machine), (-1.0, False)])
 def test_a_disc_that_hits_its_stop_is_held_by_friction_or_leans_on_the_stop(wind, holds):
     stop = 'friction = { mu = 0.3, pin_radius = "50 mm" }\nstop = { min = 0 }'
     load = f'[loads.wind]\ntype = "torque"\nbody = "disc"\ntorque = "{wind} + {0.6 - wind}*step(t - 2)"\n[initial]'
@@ -278,6 +279,7 @@ def test_a_disc_that_hits_its_stop_is_held_by_friction_or_leans_on_the_stop(wind
     assert abs(run["energy.balance"]).max() < 1e-10
 
 
+@pytest.mark.machine
 def test_a_door_under_its_own_reaction_bounces_as_an_independent_integration():
     """No weight: the reaction is m r sqrt(alpha^2 + w^4), so that friction multiplies itself."""
     reach = 0.3 * 0.05
@@ -459,7 +461,9 @@ lever = {{ angle = 2.555 }}
 """
 
 
-@pytest.mark.parametrize("law", ["newton", "poisson", "energetic"])
+@pytest.mark.parametrize(
+    "law", ["newton", *(pytest.param(x, marks=pytest.mark.machine) for x in ("poisson", "energetic"))]
+)
 @pytest.mark.parametrize("e", [pytest.param(0.0, marks=pytest.mark.machine), 0.4])
 def test_a_driven_pin_strikes_a_lever_out_of_the_hold_of_its_shaft(law, e):
     """Across the slot the lever gets 1 + e times the rate of the pin, whatever its shaft takes."""
@@ -474,6 +478,7 @@ def test_a_driven_pin_strikes_a_lever_out_of_the_hold_of_its_shaft(law, e):
     assert run["lever.omega"][-1] == pytest.approx((1 + e) * rate / reach, rel=1e-4)
 
 
+@pytest.mark.machine
 def test_a_clutch_drives_a_wheel_against_the_friction_of_its_pin():
     pair = """
 format = 1
@@ -539,6 +544,7 @@ def test_time_stepping_says_that_it_does_not_know_friction_in_joints():
         )
 
 
+@pytest.mark.machine
 def test_joints_that_stick_together_hold_with_the_sum_of_their_limits():
     """Two blocks on one line, a rod between them: one degree of freedom, two joints that could hold it alone."""
     blocks = """
@@ -584,7 +590,11 @@ two = { x = 1, vx = 0 }
 
 @pytest.mark.parametrize(
     ("first", "second", "said"),
-    [("0.3", "0", "guide: friction by"), ("0", "0.3", "other: friction by"), ("0", "0", "")],
+    [
+        pytest.param("0.3", "0", "guide: friction by", marks=pytest.mark.machine),
+        ("0", "0.3", "other: friction by"),
+        ("0", "0", ""),
+    ],
 )
 def test_that_friction_follows_a_reaction_which_is_not_unique_is_said(first, second, said):
     """Two guides on one line share the weight in any way, so the one that rubs may carry all of it or nothing."""

@@ -156,6 +156,7 @@ def test_a_joint_without_a_coordinate_has_none() -> None:
         rt.loads(slider("{ torque = 1 }"))
 
 
+@pytest.mark.machine
 def test_in_the_plane_of_a_turning_guide_it_acts_along_the_guide() -> None:
     """A bead on a bar that turns at w: x'' = w^2 x - F/m while it moves outwards; from rest it holds m w^2 x < F."""
     text = """
@@ -177,6 +178,7 @@ initial.bead = { x = 0.1, vy = 0.4 }
     assert r["rail.position"][-1] == pytest.approx(at_rest + (0.2 - at_rest) * np.cosh(4 * 0.4), rel=1e-9)
 
 
+@pytest.mark.machine
 def test_a_jerk_sets_a_held_slider_going() -> None:
     """1 kg at 3 m/s jerks a rope to 2 kg that 3 N hold: 1 m/s together, then 1 s and 0.5 m to rest."""
     text = """

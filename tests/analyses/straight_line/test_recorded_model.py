@@ -133,7 +133,9 @@ def test_starts_are_those_of_the_assembly(name):
         np.testing.assert_allclose(begun.y[:, n], want, rtol=0.0, atol=2e-13 * max(1.0, np.abs(want).max()))
 
 
-@pytest.mark.parametrize("name", SMOOTH)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.machine if name == "squeezer" else ()) for name in SMOOTH]
+)
 def test_an_assembled_start_has_the_same_bits_read_or_of_a_form(name):
     m = rt.example(name)
     starts = Starts(m.recorded(list(m.parameters)), evaluate)
