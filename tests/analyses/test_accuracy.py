@@ -27,7 +27,9 @@ def sample(m: rt.Mechanism, output: str, t: float, shifts: np.ndarray) -> np.nda
     return np.array(values)
 
 
-@pytest.mark.parametrize("output", ["rocker.angle", "rocker.omega", "motor.torque"])
+@pytest.mark.parametrize(
+    "output", ["rocker.angle", pytest.param("rocker.omega", marks=pytest.mark.long), "motor.torque"]
+)
 def test_every_sampled_position_lies_inside_and_the_extremes_are_reached(output):
     m = rt.loads(paper())
     found = m.accuracy(output, [0.11], loaded=False)

@@ -49,8 +49,8 @@ def require_motion(m, names, rows, step):
 SAME_METHOD = [
     ("fourbar", 0.02, 1e-5, {"r3": 0.003, "l1": 0.18, "alpha": 1.1, "M": -20.0}),
     ("slider_crank", 0.02, 1e-5, {"crank_length": 0.06, "rod_length": 0.17, "speed": 200.0}),  # in pieces
-    ("five_bar", 0.05, 1e-4, {"a": 0.205, "f": 0.31, "size": 0.005}),
-    ("double_pendulum", 0.5, 1e-4, {"lower_length": 0.32, "start": 0.9}),
+    pytest.param("five_bar", 0.05, 1e-4, {"a": 0.205, "f": 0.31, "size": 0.005}, marks=pytest.mark.long),
+    pytest.param("double_pendulum", 0.5, 1e-4, {"lower_length": 0.32, "start": 0.9}, marks=pytest.mark.long),
     ("windows", 0.1, 1e-4, {"l": 0.9, "speed": 3.0}),
 ]
 

@@ -134,7 +134,7 @@ def test_a_thrown_pin_follows_its_closed_form_for_other_parameters_too(written):
 
 RUNS = [
     ("slider_crank_play", {}),
-    ("fourbar_onesided", {}),
+    pytest.param("fourbar_onesided", {}, marks=pytest.mark.long),
     ("fourbar_onesided", {"r3": 0.004, "l2": 0.61}),
     ("woodpecker", {}),
     ("ratchet", {}),

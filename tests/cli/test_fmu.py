@@ -197,7 +197,10 @@ def test_sources_are_strict_c_and_fit_the_declarations_of_the_standard(tmp_path,
 
 # ---------------------------------------------------------------- judged by FMPy
 @needs_cc
-@pytest.mark.parametrize("name", ["fourbar", "slider_crank", "path_generator", "quick_return"])
+@pytest.mark.parametrize(
+    "name",
+    ["fourbar", "path_generator", *(pytest.param(x, marks=pytest.mark.long) for x in ("slider_crank", "quick_return"))],
+)
 def test_the_judge_finds_no_fault(name, units):
     validation = pytest.importorskip("fmpy.validation")
     assert validation.validate_fmu(units(name)) == []

@@ -26,10 +26,10 @@ def examples_of(command):
 LONG = ("demo", "warmup", "studio")  # run, and their output looked at, in test_commands; studio: in tests/studio
 SLOW = ("compare", "optimise", "poincare")  # of which other tests run shorter ones
 LINES = [
-    pytest.param(command, line, marks=[pytest.mark.long] if command in SLOW else [])
+    pytest.param(command, line, marks=[pytest.mark.long] if command in SLOW or k > 1 else [])
     for command in COMMANDS
     if command not in LONG
-    for line in examples_of(command)
+    for k, line in enumerate(examples_of(command))
 ]
 
 

@@ -319,7 +319,7 @@ VALUES = st.one_of(
     st.dictionaries(st.sampled_from(["value", "x", "model", "offset", "O1", ""]), st.one_of(st.integers(), st.text()), max_size=2),
 )  # fmt: skip
 SWAPS = ["0", "-1", "nan", '"l1"', '"t"', "[]", "{}", "true", '"crank.O1"', '"1e308*10"', "1e-320", "1e300", '"rod"']
-FUZZ = settings(suppress_health_check=[HealthCheck.too_slow], max_examples=300)
+FUZZ = settings(suppress_health_check=[HealthCheck.too_slow], max_examples=120)
 
 
 def tried(text):

@@ -14,7 +14,7 @@ import pytest
 import mutants
 import rattle as rt
 
-FEW, MANY = 500, 3000
+FEW, MANY = 200, 3000
 SEED = 20261123
 MEMORY = 6 << 30  # bytes of address space of a child: several times what the largest example takes
 PATIENCE = 1500.0  # [s] of a child, a hundred times what it takes

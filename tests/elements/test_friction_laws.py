@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rattle import registry
@@ -63,6 +63,7 @@ def test_bristles_never_give_back_more_than_they_hold(name, u, N, z, alpha, damp
 
 @pytest.mark.plain
 @pytest.mark.parametrize("name", BRISTLES)
+@settings(max_examples=20)
 @given(
     st.lists(st.tuples(st.floats(-0.05, 0.05), st.floats(0.1, 100)), min_size=2, max_size=6),
     st.integers(1, 3),

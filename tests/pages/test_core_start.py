@@ -17,6 +17,7 @@ QUICK = (
     "fourbar", "crank_rocker_play", "slider_crank_play", "guide_play", "gear_rattle", "belt_drive", "fourbar_onesided",
     "door_hinge", "path_generator", "balanced_arm", "woodpecker",
 )  # fmt: skip
+MORE = ("crank_rocker_play", "slider_crank_play", "path_generator")  # of these other joints are like
 UNLIKE = {  # by parameter, what a page does otherwise than Python, in words of `starts_apart`
     "bouncing_pin": {"mu": "another form"},  # no friction in the model: no law of friction in its arrays
     "rotor_whirl": {"L": "another form"},  # the table of the film has another size
@@ -27,7 +28,7 @@ EXAMPLES = sorted(
 NOT_RECORDED = ("cam_lift_off",)  # the form of its cam is checked with numbers
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.long if name in MORE else ()) for name in QUICK])
 def test_starts_follow_parameters(name, tmp_path):
     """Within 1e-10 sizes of the mechanism, and the model's own to the bit: Newton's method goes to rounding."""
     assert starts_apart(tmp_path, name) == {}

@@ -20,6 +20,10 @@ from rattle.plots.sketch import extent
 # draws, or draws elsewhere, are 0.06 to 0.4 of a mechanism that has several.
 UNLIKE = 0.04  # ink that differs, as a share of all
 FEW = 0.1  # the same of arrows alone, a hundredth of a picture: one that is missing or elsewhere is a fifth and more
+MORE = (  # examples whose joints and loads are those of others
+    "crank_rocker_play", "double_wishbone", "jansen_leg", "rimless_wheel", "scissor_lift", "slider_crank_play",
+    "stick_slip",
+)  # fmt: skip
 FINER = 2  # pixels of a picture in one of a page: thin lines are then moved less to whole pixels
 PLAY = """
 async ({ text, scene, low, high, wide, tall, instants, size, across, layer, lines }) => {
@@ -52,12 +56,22 @@ def unlike(one, other):
     return np.abs(one - other).sum() / min(one.sum(), other.sum())
 
 
-@pytest.mark.parametrize("name", [*EXAMPLES, "own"])
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.long if name in MORE else ()) for name in (*EXAMPLES, "own")]
+)
 def test_canvas_matplotlib_and_svg_show_the_same(open_page, name):  # noqa: F811
     compare(open_page, motion(name), "drawn")
 
 
-@pytest.mark.parametrize("name", ["balanced_arm", "crank_rocker_play", "excavator", "fourbar", "scotch_yoke"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "balanced_arm",
+        "excavator",
+        "fourbar",
+        *(pytest.param(x, marks=pytest.mark.long) for x in ("crank_rocker_play", "scotch_yoke")),
+    ],
+)
 def test_forces_and_moments_are_the_same_arrows(open_page, name):  # noqa: F811
     compare(open_page, rt.example(name).simulate(0.2), "arrows", FEW)
 

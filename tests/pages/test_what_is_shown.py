@@ -70,7 +70,7 @@ def test_a_page_with_runs_reaches_the_peaks_of_all_of_them(shown, tmp_path):
     fits(shown(tmp_path / "page.html", PIN), m.simulate().peak(PIN)[0])
 
 
-@pytest.mark.parametrize(("width", "height"), [(1366, 768), (390, 844), (844, 390)])
+@pytest.mark.parametrize(("width", "height"), [(1366, 768), (390, 844), pytest.param(844, 390, marks=pytest.mark.long)])
 def test_a_live_page_reaches_the_peak_of_the_table_and_every_axis_has_a_scale(width, height, shown, tmp_path):
     """Between the outputs, too: these are 3 ms apart, an eighth of a turn."""
     m = rt.example("slider_crank").set({"simulate.output": "3 ms"})

@@ -291,8 +291,8 @@ SLIDING = {"slot", "prismatic", "gear"}  # joints that may say otherwise where a
 
 def test_random_acts_draw_what_was_meant():
     """Bodies that an act does not concern stand; a point is where it was put; comments stay; nothing crashes."""
-    looked = Counter(name for seed in range(20) for name in looked_at(random.Random(seed), Sheet(EMPTY)))
-    assert min(looked["stood"] // 20, looked["nudge"], looked["drop"]) > 5, looked  # enough of each was looked at
+    looked = Counter(name for seed in range(12) for name in looked_at(random.Random(seed), Sheet(EMPTY)))
+    assert min(looked["stood"] // 12, looked["nudge"], looked["drop"]) > 3, looked  # enough of each was looked at
 
 
 def looked_at(chance, sheet):

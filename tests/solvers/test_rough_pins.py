@@ -47,7 +47,7 @@ def confirmed(message, cases):
     return "friction locks" in message and (locked or least_share(cases[0]) < LOCKED)
 
 
-@pytest.mark.parametrize("first", [0, 50, 100, 150, 200])
+@pytest.mark.parametrize("first", [0, 50, *(pytest.param(x, marks=pytest.mark.long) for x in (100, 150, 200))])
 def test_a_run_ends_only_where_all_modes_tried_have_no_solution_or_several_or_friction_locks(ends, first):
     turns = 0
     for seed in range(first, first + 50):

@@ -364,7 +364,7 @@ def test_a_run_that_is_killed_anywhere_goes_on_to_the_same_numbers(tmp_path):
     folder = tmp_path / "run"
     rng = np.random.default_rng(5)
     kept = 0
-    for _ in range(5):
+    for _ in range(2):
         child = subprocess.Popen(
             [sys.executable, "-c", CHILD, SPRING, str(folder)], stdout=subprocess.PIPE, env=dict(os.environ)
         )

@@ -262,7 +262,7 @@ def test_a_damper_at_the_bound_of_a_constraint_is_a_success():
     [
         pytest.param(0.1, 1e5, 1.0, marks=pytest.mark.long),
         pytest.param(0.1, 1e5, 2.0, marks=pytest.mark.long),
-        (1e-3, 10.0, 2e-3),
+        pytest.param(1e-3, 10.0, 2e-3, marks=pytest.mark.long),
         (1e-3, 1e3, 0.01),
     ],
 )

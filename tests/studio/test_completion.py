@@ -351,7 +351,7 @@ def test_a_section_is_gone_to_from_the_list_of_sections(editor):
     assert text_of(page).index("# here\n") == 9 * 60 + PENDULUM.rindex("\n[") + 1
 
 
-@pytest.mark.parametrize("width", [390, 1366])
+@pytest.mark.parametrize("width", [390, pytest.param(1366, marks=pytest.mark.long)])
 def test_long_lines_are_wrapped_and_colours_lie_under_the_letters(editor, width):
     long = (
         PENDULUM

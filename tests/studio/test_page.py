@@ -233,7 +233,12 @@ SIZES = {"laptop": (1366, 768), "large": (1920, 1080), "phone": (390, 844)}
 
 
 @pytest.mark.parametrize(
-    ("size", "scheme"), [("laptop", "light"), ("laptop", "dark"), ("large", "light"), ("phone", "light")]
+    ("size", "scheme"),
+    [
+        ("laptop", "dark"),
+        ("phone", "light"),
+        *(pytest.param(size, "light", marks=pytest.mark.long) for size in ("laptop", "large")),
+    ],
 )
 def test_nothing_is_cut_off_and_the_trust_is_always_there(visit, size, scheme):
     width, height = SIZES[size]

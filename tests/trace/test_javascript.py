@@ -21,6 +21,7 @@ SMOOTH = [
     "balanced_arm", "chain", "double_pendulum", "five_bar", "fourbar", "path_generator", "quick_return",
     "slider_crank", "squeezer", "toggle", "toggle_clamp", "windows",
 ]  # fmt: skip
+MORE = ("chain", "double_pendulum", "path_generator", "quick_return", "slider_crank", "toggle")
 
 
 def node(folder, script, *words):
@@ -73,7 +74,9 @@ def test_every_function_has_the_bits_of_the_reference(size, tmp_path, monkeypatc
     require_same_bits(computed(tmp_path, "straight", len(outputs), inputs), graph.evaluate(outputs, inputs))
 
 
-@pytest.mark.parametrize("name", SMOOTH)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.long if name in MORE else ()) for name in SMOOTH]
+)
 def test_an_example_has_the_bits_of_the_reference(name, tmp_path):
     """All its functions, at states and parameters near those of the start."""
     made = program(rt.example(name).recorded())
@@ -147,7 +150,12 @@ def test_a_start_far_from_the_model_is_that_of_the_assembly(name, change, tmp_pa
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 @pytest.mark.parametrize(
     ("name", "t_end", "step"),
-    [("fourbar", 0.02, 1e-5), ("double_pendulum", 0.5, 1e-4), ("windows", 0.05, 1e-4), ("path_generator", 0.05, 1e-4)],
+    [
+        ("fourbar", 0.02, 1e-5),
+        ("windows", 0.05, 1e-4),
+        pytest.param("double_pendulum", 0.5, 1e-4, marks=pytest.mark.long),
+        pytest.param("path_generator", 0.05, 1e-4, marks=pytest.mark.long),
+    ],
 )
 def test_a_run_has_the_bits_of_the_c_program(name, t_end, step, tmp_path):
     made = program(rt.example(name).recorded())

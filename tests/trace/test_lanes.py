@@ -355,7 +355,7 @@ ALL = [
 def test_a_sample_has_the_same_bits_in_any_company(method, kinds):
     """Whatever the width, the order and the threads; some samples fail, many more than fit in at once are waiting."""
     model = oscillator(sound=lambda t, x, v, w: (x > -0.9) | (w < 4.0), curves=lambda x, v, w, t: [x, v + 1.0])
-    w = np.random.default_rng(3).permutation(np.concatenate([np.linspace(0.5, 7.0, 60), [-1.0]]))[None]
+    w = np.random.default_rng(3).permutation(np.concatenate([np.linspace(0.5, 7.0, 24), [-1.0]]))[None]
     program = Program(model, lowered, method, KINDS[kinds], T, tolerances=Tolerances(1e-6, 1e-8), step=0.1)
     whole, outcome = bits(program, w, width=64)
     assert set(outcome.status) == {Status.DONE, Status.ASSUMPTION, Status.START}

@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rattle.jit import cache, machine
@@ -107,6 +107,7 @@ def odd_inputs(count, seed):
     return np.concatenate([random.normal(size=(count, 20)) * 4.0, random.choice(ODD, (count, 41))], axis=1)
 
 
+@settings(max_examples=30)
 @given(expressions(), st.integers(0, 2**32 - 1))
 def test_random_expressions_have_the_bits_of_the_reference(made, seed):
     graph, outputs = made
@@ -143,21 +144,18 @@ def test_elementary_functions_have_the_bits_of_the_reference():
     require_same_bits(graph, whole, np.array([np.arange(-1022.0, 1024.0)] * 2))
 
 
+SMOOTH = ("fourbar", "squeezer", "five_bar", "windows", "toggle")
+
+
 def smooth_examples():
     import rattle as rt
     from rattle.analyses.straight_line.code import straight_line
-    from rattle.errors import TraceError
 
-    for name in rt.examples():
-        m = rt.example(name)
-        try:
-            yield name, straight_line(m.recorded())
-        except TraceError:
-            continue
+    for name in SMOOTH:
+        yield name, straight_line(rt.example(name).recorded())
 
 
 def test_recorded_models_have_the_bits_of_the_reference():
-    tried = []
     for name, made in smooth_examples():
         functions = {"derivative": made.derivative, "project": made.projection, "outputs": made.outputs}
         random = np.random.default_rng(3)
@@ -166,8 +164,6 @@ def test_recorded_models_have_the_bits_of_the_reference():
         widths = llvm.WIDTHS if name == "fourbar" else (llvm.width(),)
         require_same_bits(made.graph, functions, state, widths)
         assert np.isfinite(made.graph.evaluate(made.derivative, state)).all(), name
-        tried.append(name)
-    assert {"fourbar", "squeezer", "five_bar", "windows"} <= set(tried)
 
 
 def test_the_neighbours_of_a_sample_do_not_matter():

@@ -316,12 +316,12 @@ def test_a_lasting_contact_with_friction_ends_the_answer_there():
 
 
 def test_beyond_the_horizon_of_a_chaotic_motion_there_is_no_derivative():
-    t = np.linspace(0.0, 0.03, 61)
+    t = np.linspace(0.0, 0.024, 49)
     outputs = ["slider.x", "time(B.contacts, 2)", "max(B.force)"]
     s = rt.example("slider_crank_play").sensitivity(outputs, ["c"], t, rtol=1e-9)
     assert s.success
     known = t < s.trust.horizon
-    assert 0.01 < s.trust.horizon < 0.03
+    assert 0.01 < s.trust.horizon < t[-1]
     assert np.isfinite(s["d(slider.x)/d(c)"][known]).all()
     assert np.isnan(s["d(slider.x)/d(c)"][~known]).all()
     assert np.isfinite(s["slider.x"]).all()

@@ -10,7 +10,7 @@ from rattle.description.read_parameters import chosen_parameters
 from rattle.equations.system import System, compile_system
 from rattle.errors import ModelError, TraceError
 
-SHARES = (0.0, 1e-7, -0.003, 0.05, -0.05, 0.3, -0.3)  # changes of a parameter, in shares of it
+SHARES = (0.0, 1e-7, -0.003, -0.05, 0.3)  # changes of a parameter, in shares of it
 ULPS = 8.0  # of an entry: functions of a graph are not those of Python
 LOST = {  # the outline of a cam is looked at as a whole, a size that a fit is looked up by stands in no formula
     "cam_lift_off": ("R", "h"), "gripper": ("d",),
@@ -78,10 +78,9 @@ def test_arrays_of_every_parameter_are_those_that_are_read(name: str) -> None:
         held = sum(_same(m, made, {key: value + share * (value or 1.0)}) for share in SHARES)
         assert held > 2 or (name, key) in RARE, f"no other value of {key} has the form"
     several = 0
-    for size in (1e-3, 0.01, 0.03):
-        for _ in range(3):
-            values = {key: m.parameters[key] * (1.0 + size * random.uniform(-1.0, 1.0)) for key in made.names}
-            several += _same(m, made, values)
+    for size in (1e-3, 1e-3, 0.01, 0.03):
+        values = {key: m.parameters[key] * (1.0 + size * random.uniform(-1.0, 1.0)) for key in made.names}
+        several += _same(m, made, values)
     assert several or name in WHOLE, "several parameters at once leave the form"
 
 
