@@ -13,7 +13,10 @@ from llvmlite.binding import llvm_version_info
 import rattle as rt
 from core_engine import RESULT, VIEWER, in_node, new, with_result
 
-TYPICAL = (*("crank_rocker_play", "slider_crank_oil", "torque_converter", "guide_play", "three_plays", "stick_slip"),)
+TYPICAL = (
+    *("crank_rocker_play", "slider_crank_oil", "torque_converter", "belt_drive", "guide_play", "three_plays"),
+    *("gear_rattle", "ratchet", "stick_slip"),
+)
 NOT_RECORDED = ("cam_lift_off",)  # no page computes it: the form of its cam is checked with numbers
 EXAMPLES = {path.stem for path in (Path(rt.__file__).parent / "examples").glob("*.toml")}
 LEAN = ("dominoes",)  # at rest they lean on each other: whether forces are told to be unique is rounding
