@@ -316,9 +316,3 @@ initial = {{ b = {{ angle = 0, omega = 0 }}, c = {{ angle = -1, omega = 0 }} }}
 """)
     outputs = ["final(b.angle)", "final(c.omega)", "final(energy.dissipated)"]
     assert_alike(m, {"mu": np.array([0.1, 0.5])}, outputs, 0.5, rel=1e-6, rtol=1e-9)
-
-
-def test_friction_beside_impacts_runs_one_by_one():
-    rigid = slider_crank(COULOMB, pin='clearance = 5e-4, contact = { model = "impact", restitution = 0.5 }')
-    found = rt.loads(rigid).many({"mu": [0.1]}, t_end=0.002, outputs=["final(slider.x)"])
-    assert "friction of joints beside impacts cannot be straight-line code (joints O, A, guide)" in found.stats["how"]

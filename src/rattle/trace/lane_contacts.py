@@ -108,7 +108,7 @@ class Meets(NamedTuple):
     @property
     def struck_rows(self) -> int:
         """Rows that `struck` writes after y, see `Struck`."""
-        return 3 * len(self.rigid) + 1
+        return 3 * len(self.rigid) + 2 * self.rubs + 2
 
     @property
     def met_rows(self) -> int:
@@ -168,11 +168,15 @@ class Met:
 
 
 class Struck:
-    """Of rigid contacts: shut, sense of slip, impulses after a trip that took no time; a flag that there are such."""
+    """Of rigid contacts: shut, sense of slip, impulses after a trip that took no time; modes of joints that rub to be
+    tried next in an impact, and whether they may have any; a flag that there are such; whether these joints agree with
+    the impulses of an impact (1, 0), or there are neither impulses nor forces in their modes (-1)."""
 
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
         r = len(meets.rigid)
-        self.shut, self.slide, self.impulse, (self.sound,) = _parted(rows, [r, r, r, 1])
+        self.shut, self.slide, self.impulse, self.rubs, self.free, (self.sound, self.agreed) = _parted(
+            rows, [r, r, r, meets.rubs, meets.rubs, 2]
+        )
 
 
 def _parted(rows: Sequence[Operand], sizes: Sequence[int]) -> list[list[Operand]]:

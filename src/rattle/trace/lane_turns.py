@@ -26,6 +26,8 @@ SOON = 0.5  # share of that step within which a contact is landed on that was no
 NEARER = 0.7  # share of the way to a contact that a step takes where all of it is too much: a force ends with a kink
 MOST_LANDINGS, MOST_TURNS = 200, 60  # tries that do not land; turns at one instant
 MOST_UNSOUND = 60  # tries of a run with stages that are not sound, as some are that go far beyond a contact
+MOST_CHANGES = 12.0  # of modes of joints beside rigid contacts, one after the other, before all are tried
+MOST_TRIED = 200  # trips at one instant that try them
 STUCK = 1e-11  # share of the speed of an impact below which a slip after it is rounding
 TURN = 0.2  # of a body within which forces on a body at rest are known by three values [rad]
 AT_WALL = 1e-3  # share of the height of bounces that are not followed which may be rounding
@@ -85,6 +87,8 @@ class Meeting:
         self.shut = [(x > 0.5) & (x < 1.5) for x in self.touch.shut[: meets.n]]
         hits = [self.touch.shut[n] for n in meets.rigid]
         self.hits, self.decides = _any((x > 1.5) & (x < 2.5) for x in hits), _any(x > 2.5 for x in hits)
+        self.agreed: Flag = self.struck.agreed > 0.0  # joints that rub agree with the impulses
+        self.some: Flag = self.struck.agreed >= 0.0  # there are any, or forces that last, in their modes
 
     def touches(self, at_start: Flag) -> Touches:
         """What the trip tells the reductions of contacts; at_start: it is the one that takes no time at the start."""
@@ -180,6 +184,7 @@ class Meeting:
         others = (*self.meets.rubbing, *self.meets.switching)
         jumps = _any(self._jumps(n) for n in range(self.meets.n) if self._is_soft_clutch(n))
         waits = _any(shut[n] > 2.5 for n in (*rigid, *others)) | (still & (self.decides | jumps))
+        waits = waits | (still & self.hits & apply("not", self.agreed))
         state = [
             *self._moved(flags.good, shut, touch.shut), *self._moved(flags.good, speed, touch.speed),
             *(
@@ -197,7 +202,7 @@ class Meeting:
         lost = missed_one | (landings > float(MOST_LANDINGS)) | (count > float(MOST_TURNS)) | unsound
         unkept = values["unsound"] > float(MOST_UNSOUND)
         decided = apply("not", _any(shut[n] > 2.5 for n in others) | jumps)
-        lost = lost | (values["tried"] > float(MOST_TURNS))
+        lost = lost | (values["tried"] > float(MOST_TRIED if rigid and self.meets.rubs else MOST_TURNS))
         switched = flags.good & apply("not", still) & self._jumps_now(still)
         jolted, rests = flags.good & self._jolts(still), flags.good & self._rests_on_jumps()
         return Turned(
@@ -241,19 +246,33 @@ class Meeting:
         for n in self.meets.switching:
             turns, shut[n], speed[n] = self._switching(n, still)
             switched = switched | turns
+        settled = {n: self._settled(n) for n in self.meets.rubbing}
+        unsettled = _any(apply("not", apply("equal", x, self.touch.speed[n])) for n, x in settled.items())
+        for n in self.meets.rubbing:
+            shut[n], speed[n] = self._rubbing(n, still, settled[n], strikes, ended, unsettled)
+            spent = self.met.spent[self.meets.held.index(n)] > 0.0  # forces of contacts jump with it
+            jumps = (self._quiet() & unsettled) | (self.decides & self._comes_to_rest(n))
+            switched = switched | select_flag(still, jumps, spent)
         again = self._again()
         for n in self.meets.rigid:
             shut[n], speed[n] = self._rigid(n, still, strikes, ended | switched, again)
-            shut[n] = select(still & switched & (shut[n] > 0.5) & (shut[n] < 1.5), DECIDES, shut[n])
-        for n in self.meets.rubbing:
-            shut[n], speed[n] = self._rubbing(n, still)
+            again_now = still & switched & (shut[n] > 0.5) & (shut[n] < 1.5)
+            slip = self.ends.held["slip"][self.meets.held.index(n)]  # one at rest may slip either way now
+            shut[n], speed[n] = select(again_now, DECIDES, shut[n]), select(again_now, _sign(slip), speed[n])
+        if self.meets.rigid:  # joints are looked at once forces of contacts are known
+            turned = _any((shut[n] > 1.5) for n in self.meets.rigid) | (still & apply("not", self._quiet()))
+            for n in self.meets.rubbing:
+                shut[n] = select(turned, DECIDES, shut[n])
         return shut, speed
+
+    def _quiet(self) -> Flag:
+        """Whether rigid contacts neither hit nor decide."""
+        return apply("not", self.hits | self.decides)
 
     def _again(self) -> dict[int, Flag]:
         """Rigid contacts that decide once more though nothing has hit: those that others hold down to a bounce that is
         not followed, which shows only once these are shut, and with them all that are shut."""
-        quiet = apply("not", self.hits | self.decides)
-        low = {}
+        quiet, low = self._quiet(), {}
         for n in self.meets.rigid:
             k = self.meets.held.index(n)
             at_wall = (self.touch.shut[n] < 0.5) & (self.ends.gap[n] <= self.met.low[k])
@@ -293,7 +312,7 @@ class Meeting:
         """What a clutch without impacts is after a trip that took no time: rates may have jumped."""
         k, code, rate = self.meets.held.index(n), self.touch.shut[n], self.ends.rate[n]
         torque, change = self.ends.held["pressed"][k], self.ends.held["bend"][k]
-        pulls = (code > 0.5) & (torque < 0.0) & (rate > MISSED * self.late * abs(change)) & self.hits
+        pulls = (code > 0.5) & (torque < 0.0) & (rate > MISSED * self.late * abs(change)) & self.hits & self.agreed
         return select(self._takes(n), SHUT, select(pulls, OPEN, code))
 
     def _takes(self, n: int) -> Flag:
@@ -301,7 +320,7 @@ class Meeting:
         rate, change = self.ends.rate[n], self.ends.held["bend"][self.meets.held.index(n)]
         close = MISSED * self.late * abs(change)
         falls = (rate < -close) | ((abs(rate) <= close) & (change * self.instant.planned < -close))
-        return (self.touch.shut[n] < 0.5) & falls & (self.hits | (self.instant.t <= 0.0))
+        return (self.touch.shut[n] < 0.5) & falls & ((self.hits & self.agreed) | (self.instant.t <= 0.0))
 
     def _rigid(
         self, n: int, still: Flag, strikes: Flag, ended: Flag, again: dict[int, Flag]
@@ -326,9 +345,11 @@ class Meeting:
             low = low | self._low(n, k)
         after = select(took_part & low, DECIDES, OPEN)
         sense = select(abs(end["slip"]) <= STUCK * self._fastest(), 0.0, _sign(end["slip"]))
-        shut = select(self.decides, self.struck.shut[r], select(again[n], DECIDES, touch.shut[n]))
+        decided = self.decides & self.some
+        shut = select(decided, self.struck.shut[r], select(again[n], DECIDES, touch.shut[n]))
         slide = select(again[n] & (touch.shut[n] < 0.5), sense, touch.speed[n])
-        slide = select(self.decides & (touch.shut[n] > 0.5), self.struck.slide[r], slide)
+        slide = select(decided & (touch.shut[n] > 0.5), self.struck.slide[r], slide)
+        after, sense = select(self.agreed, after, touch.shut[n]), select(self.agreed, sense, touch.speed[n])
         shut, slide = select(self.hits, after, shut), select(self.hits, sense, slide)
         return select(still, shut, goes), select(still, slide, way)
 
@@ -339,26 +360,64 @@ class Meeting:
             fastest = largest(fastest, -self.touch.rate[n])
         return fastest
 
-    def _rubbing(self, n: int, still: Flag) -> tuple[Operand, Operand]:
+    def _rubbing(
+        self, n: int, still: Flag, settled: Operand, strikes: Flag, ended: Flag, unsettled: Flag
+    ) -> tuple[Operand, Operand]:  # fmt: skip
         """What a joint that rubs is after a trip, and the sense of its slip.
 
-        Where it has come to rest it sticks, first; where others move it on, it slips as they do.  If it cannot bear
-        that, it rests at its limit, the one first that is farthest beyond, and slips if no others hold it that stick.
+        settled: that which its own forces suggest; strikes, ended: a contact hits, or lets go; unsettled: some joint is
+        to change.  In an impact it goes on as it slips, or sticks, until its mode disagrees with the impulses; after
+        it, it slips as it moves.  One that a contact has held at rest sticks first once that lets go.
         """
         k, sense, code = self.meets.held.index(n), self.touch.speed[n], self.touch.shut[n]
         end = {name: rows[k] for name, rows in self.ends.held.items()}
         sticks, ahead = apply("equal", sense, 0.0), _sign(end["bend"])
         breaks, spent = -FIRM * _sign(end["tangent"]), self.met.spent[k] > 0.0
         way = select(spent, select(sticks, select(apply("equal", end["tangent"], 0.0), ahead, breaks), 0.0), sense)
+        if self.meets.rigid:
+            joint, moved, long = n - self.meets.n, _sign(end["slip"]), self.touch.lane["tried"] >= MOST_CHANGES
+            some = self._some_mode(joint)
+            at_rest = select(apply("equal", moved, 0.0), some, sense)
+            settled = select(unsettled & long, at_rest, settled)
+            kept = select(self._comes_to_rest(n), 0.0, sense)
+            settled = select(self.decides, select(self.some, kept, at_rest), settled)
+            tried = select(long | apply("not", self.some), some, self.struck.rubs[joint])
+            settled = select(self.hits, select(self.agreed, moved, tried), settled)
+            way = select(strikes | (ended & apply("equal", moved, 0.0)), moved, way)
+            spent = spent | ended
+        changes = apply("not", apply("equal", settled, sense))
+        return select(still, select(changes, DECIDES, SHUT), select(spent, DECIDES, code)), select(still, settled, way)
+
+    def _comes_to_rest(self, n: int) -> Flag:
+        """Whether a joint slips until a trip that takes no time, with a bounce that is not followed."""
+        k = self.meets.held.index(n)
+        before, after = self.touch.held["pressed"][k], self.ends.held["slip"][k]
+        return apply("not", apply("equal", self.touch.speed[n] * before, 0.0)) & apply("equal", after, 0.0)
+
+    def _some_mode(self, joint: int) -> Operand:
+        """The mode of a joint that rubs in the next one of all combinations; that which it has if it is held."""
+        digit = apply("floor", self.touch.lane["tried"] / 3.0**joint)
+        digit = digit - 3.0 * apply("floor", digit / 3.0)
+        free, own = self.struck.free[joint] > 0.0, self.touch.speed[self.meets.n + joint]
+        return select(free, select(digit > 1.5, -1.0, digit), own)
+
+    def _settled(self, n: int) -> Operand:
+        """The mode that a joint that rubs comes to by its forces, at an instant.
+
+        Where it has come to rest it sticks, first; where others move it on, it slips as they do.  If it cannot bear
+        that, it rests at its limit, the one first that is farthest beyond, and slips if no others hold it that stick.
+        """
+        k, sense = self.meets.held.index(n), self.touch.speed[n]
+        end = {name: rows[k] for name, rows in self.ends.held.items()}
+        sticks, ahead = apply("equal", sense, 0.0), _sign(end["bend"])
+        breaks = -FIRM * _sign(end["tangent"])
         worst = self._worst()
         over = (self._beyond(n) > 0.0) & (self._beyond(n) >= worst)
         rests, held = apply("equal", end["slip"], 0.0), end["calm"] > 0.5
         back = rests & (sense * ahead < 0.0)
         stuck = select(apply("equal", ahead, 0.0), select(over, breaks, 0.0), ahead)
         moves = select(back, 0.0, select(held & rests, FIRM * _sign(sense), _sign(sense)))
-        settled = select(sticks, stuck, moves)
-        changes = apply("not", apply("equal", settled, sense))
-        return select(still, select(changes, DECIDES, SHUT), select(spent, DECIDES, code)), select(still, settled, way)
+        return select(sticks, stuck, moves)
 
     def _switching(self, n: int, still: Flag) -> tuple[Flag, Operand, Operand]:
         """Whether an expression switches, as its switching function comes to zero or has jumped beyond it, what it is

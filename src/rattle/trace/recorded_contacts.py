@@ -78,9 +78,9 @@ class RecordedContacts:
         self.by_force = (self.table[:, at.BY_FORCE] == 1) | self.rigid | (self.table[:, at.LEVEL] == 1)
         self.scale = [bare(x) for x in system.arrays["lever"][:, at.GAP_SCALE]]  # sizes of gaps [m or rad]
         alone = self.rigid.sum() == 1 and smooth[int(np.flatnonzero(self.rigid)[0])]  # then all laws are one
+        self.rubbing, self.switches = friction, switches
         for n in range(len(self.joints)):
             self._require_able(n, values, alone)
-        self.rubbing, self.switches = friction, switches
         self._take_inputs()
         self.is_shut = [shut > 0.5 for shut in self.shut[: len(self.joints)]]
         if lanes:  # of rigid ones it may be HITS, DECIDES too
@@ -110,6 +110,12 @@ class RecordedContacts:
             raise TraceError(f"contacts with friction with states (joint {joint}) cannot be straight-line code")
         if self.lanes and rigid and not alone and _is(values[first + at.RESTITUTION_LAW], LZB):
             raise TraceError(f'impacts (joint {joint}) do not run side by side with restitution_law = "lzb"')
+        has_impulses = self.rubbing is not None and self.rubbing.takes_part
+        if rigid and has_impulses and not _is(values[first + at.RESTITUTION_LAW], NEWTON):
+            raise TraceError(
+                f"impacts (joint {joint}) beside dry friction of joints run side by side with restitution_law ="
+                ' "newton" only'
+            )
         if (entry[at.LEVEL] or entry[at.TOOTHED]) and not self.lanes:
             raise TraceError(f"a clutch (joint {joint}) cannot be straight-line code")
         if entry[at.LEVEL] and rigid and not _is(values[first + at.MOST_TORQUE], math.inf):
@@ -137,7 +143,7 @@ class RecordedContacts:
         self._rigid = [
             RigidContacts(
                 self.graph, copies, self.table, numbers, self.shut, self.speed, self.is_shut,
-                not all(self.lasts[numbers]),
+                not all(self.lasts[numbers]), self.rubbing,
             )
             for numbers in together if numbers
         ]  # fmt: skip
@@ -242,9 +248,12 @@ class RecordedContacts:
             first = self._copies.of(states_at.python)(m) + self.table[n, at.FIRST_STATE]
             for k in range(first, first + self.table[n, at.STATES]):
                 state[k] = select(self.is_shut[n], state[k], 0.0)
+        if self._rigid:
+            return self._rigid[0].struck(m, state)
         if self.rubbing is not None:
             self.rubbing.rest(m, state)
-        return self._rigid[0].struck(m, state) if self._rigid else Struck(list(state), {}, {}, {}, True)
+        rubs: list[Operand] = [] if self.rubbing is None else list(self.rubbing.modes.values())
+        return Struck(list(state), {}, {}, {}, True, rubs, [False] * len(rubs), 1.0)
 
     def push(self, m: SimpleNamespace, n: int) -> Operand:
         """Force [N] of contact n that ends by it, also where it would pull; see `contact_events.push`."""

@@ -4,6 +4,9 @@ Equations: `rattle.equations.dry_friction`.  In which sense a joint with set-val
 sticks (0), or that it rests at its limit, of mu_static, as others hold it that stick (2 or -2), is an input of the
 graph.  The forces of all joints follow from so many steps of Newton's method; that these have converged, and that
 friction does not lock, is a guard.
+
+Beside rigid contacts tau is linearised in their forces f at an estimate of both, tau = C + D f, as in
+`solvers.nonsmooth.rubbing_contacts`; so are the impulses of friction in an impact, as in `rubbing_impacts`.
 """
 
 from __future__ import annotations
@@ -25,11 +28,15 @@ from rattle.solvers.dry_friction_modes import OVER, TAKEN, driven_ahead, sudden
 from rattle.trace.graph import apply, select, summed
 from rattle.trace.known_signs import positive
 from rattle.trace.recorded_language import Copies
+from rattle.trace.recorded_modes import add
 
 FIRM = 2.0  # size of a mode: it rests at its limit
 ROUNDS = 6  # of Newton's method
 CONVERGED = 1e-10  # share of all forces by which its last step may change them
 MOST = 8  # joints with friction
+MOST_BESIDE = 4  # of them beside rigid contacts
+BEYOND = 1e-10  # share by which a condition of an impact may be violated by rounding
+LASTING, HIT, KEPT = range(3)  # what forces of contacts are: such that last, of an impact, what takes rates away
 FIXED = 1e-11  # share of the mobility without joints that is left where these fix a coordinate
 FAINT = 1e-12  # share of its terms by which a force may be rounding
 NO_RATE, NO_FORCE = 1e-12, 1e-9  # of an acceleration, by those of bodies and by that which friction causes
@@ -46,6 +53,28 @@ class Joint(NamedTuple):
     stuck: Operand  # 1 if it can move only as long as others do that stick
 
 
+class Pull(NamedTuple):
+    """What a unit force of a contact does to all joints."""
+
+    rates: list[Operand]  # change of their rates, or accelerations
+    borne: list[tuple[Operand, Operand]]  # of what they bear
+
+
+class Free(NamedTuple):
+    """Joints without friction: accelerations against those of sticking, or rates; what they bear."""
+
+    rates: list[Operand]
+    bears: list[tuple[Operand, Operand]]
+
+
+class Shares(NamedTuple):
+    """Friction of all joints, linear in the forces of contacts."""
+
+    alone: list[Operand]
+    by: list[list[Operand]]  # of each joint, per unit of each force
+    definite: Flag  # it does not lock
+
+
 class RecordedFriction:
     """That of the joints of a system, nd of them, on symbols of one graph."""
 
@@ -57,6 +86,7 @@ class RecordedFriction:
         self.table = system.arrays["dry"]
         self.joints = system.dry_joints
         self.rubs = np.flatnonzero(self.table[:, at.DRY_LAW] < 0).tolist()  # those with set-valued friction
+        self.takes_part = bool((self.table[self.rubs, at.DRY_STATED] == 0).any())  # in impacts: what is finite does not
         self.modes: dict[int, Operand] = {}
         self._require_able(system, lanes)
 
@@ -71,8 +101,11 @@ class RecordedFriction:
             what = "with states" if states else "of discs" if entry[at.DRY_FORM] == at.DRY_ROLLER else ""
             if what:
                 raise TraceError(f"friction {what} (joint {joint}) cannot be straight-line code")
-        if (contact[:, at.IMPACT] == 1).any():
-            raise TraceError(f"friction of joints beside impacts cannot be straight-line code (joints {joints})")
+        if (contact[:, at.IMPACT] == 1).any() and len(self.table) > MOST_BESIDE:
+            raise TraceError(
+                f"more than {MOST_BESIDE} joints with friction ({joints}) beside rigid contacts cannot be"
+                " straight-line code"
+            )
         if len(system.arrays["massless"]):
             raise TraceError(f"friction beside bodies without mass cannot be straight-line code (joints {joints})")
 
@@ -98,51 +131,91 @@ class RecordedFriction:
             m.dry_response[n, c] = select(held, 0.0, x)
 
     def _add(self, m: SimpleNamespace) -> None:
-        """Stands for `dry_friction.add_dry_friction`."""
+        """Stands for `dry_friction.add_dry_friction`: beside rigid contacts these add it, with their own forces."""
         self._copies.of(dry.prepare_rows.python)(m)
-        forces = self._forces(m)
-        for n, tau in enumerate(forces):
-            m.dry_memory[n, at.DRY_FORCE] = m.dry_memory[n, at.DRY_ADDED] = tau
-        _spread(m, forces)
-
-    def _forces(self, m: SimpleNamespace) -> list[Operand]:
-        """tau of every joint; m has accelerations and multipliers without them."""
-        numbers = range(len(self.table))
-        borne, bearing = (self._copies.of(f.python) for f in (dry.borne, dry.bearing))
-        bears = [bearing(m, n, m.multiplier, at.DRY_ADDED) for n in numbers]
-        per_unit = [[borne(m, n, o) for o in numbers] for n in numbers]
-        stuck = [self._stuck(m, n) for n in numbers]
-        doubts = [self._doubt(m, n) for n in numbers]
-        tau: list[Operand] = [0.0 for _ in numbers]
-        change: list[Operand] = []
-        definite: Flag = True
+        if len(m.closed_contacts_table) > 0:
+            return
+        free, tau = self.free(m), list[Operand]([0.0] * len(self.table))
+        found: Flag = True
         for _ in range(ROUNDS):
-            rows = [self._slipping(m, n, tau, bears[n], per_unit[n]) for n in numbers]
-            for n in self.modes:
-                left = stuck[n][-1] + summed(a * x for a, x in zip(stuck[n], tau, strict=False))
-                held = [*stuck[n][:-1], left]
-                rows[n] = [select(self._sticks(m, n), a, b) for a, b in zip(held, rows[n], strict=True)]
-            (change,), definite = _eliminated(rows, doubts)
-            tau = [x - dx for x, dx in zip(tau, change, strict=True)]
-        size = summed(abs(x) for x in tau)
-        require = self._copies.of(assume.python)
-        require(summed(abs(x) for x in change) <= CONVERGED * size)
-        require(definite)
-        return tau
+            tau, found = self.improved(self.shares(m, free, [], tau, [], LASTING), [], tau)
+        self._copies.of(assume.python)(found)
+        self.spread(m, tau)
+
+    def free(self, m: SimpleNamespace) -> Free:
+        """Of joints at the accelerations and multipliers in m, without friction."""
+        along, bearing = (self._copies.of(f.python) for f in (dry.along, dry.bearing))
+        numbers = range(len(self.table))
+        return Free(
+            [along(m, n, m.acceleration, 0) - m.dry_rows[n, at.GAMMA] for n in numbers],
+            [bearing(m, n, m.multiplier, at.DRY_ADDED) for n in numbers],
+        )
+
+    def before(self, m: SimpleNamespace) -> Free:
+        """Of joints before an impact."""
+        numbers = range(len(self.table))
+        return Free([m.dry_memory[n, at.DRY_RATE] for n in numbers], [(0.0, 0.0) for _ in numbers])
+
+    def pull(self, m: SimpleNamespace, away: np.ndarray, reaction: np.ndarray) -> Pull:
+        """What a unit force of a contact does that changes rates (nb + 1, 3) and multipliers so."""
+        along, rates, borne = self._copies.of(dry.along.python), [], []
+        for n, entry in enumerate(self.table):
+            rates.append(along(m, n, away, 0))
+            second = 0.0 if entry[at.DRY_FORM] == at.DRY_ROD else reaction[entry[at.DRY_SECOND]]
+            borne.append((reaction[entry[at.DRY_ROW]], second))
+        return Pull(rates, borne)
+
+    def shares(
+        self, m: SimpleNamespace, free: Free, pulls: Sequence[Pull], tau: Sequence[Operand], forces: Sequence[Operand],
+        what: int,
+    ) -> Shares:  # fmt: skip
+        """Friction of all joints, linearised at an estimate of it and of the forces of contacts.
+
+        what: LASTING, HIT, KEPT, the last two with impulses for forces.
+        """
+        numbers = range(len(self.table))
+        rows = []
+        for n in numbers:
+            row = self._slipping(m, n, free, pulls, tau, forces, what)
+            if n in self.modes:
+                sticks = self._sticks(m, n)
+                row = [select(sticks, a, b) for a, b in zip(self._stuck(m, n, free, pulls, what), row, strict=True)]
+            rows.append(row)
+        results, definite = _eliminated(rows, [self._doubt(m, n) for n in numbers])
+        return Shares(results[0], [[result[n] for result in results[1:]] for n in numbers], definite)
+
+    @staticmethod
+    def improved(shares: Shares, forces: Sequence[Operand], tau: Sequence[Operand]) -> tuple[list[Operand], Flag]:
+        """tau by its shares and the forces of contacts; whether it stays the same, and friction does not lock."""
+        new = [
+            alone + summed(by * f for by, f in zip(each, forces, strict=True))
+            for alone, each in zip(shares.alone, shares.by, strict=True)
+        ]
+        change = summed(abs(x - y) for x, y in zip(new, tau, strict=True))
+        return new, (change <= CONVERGED * summed(abs(x) for x in new)) & shares.definite
 
     def _slipping(
-        self, m: SimpleNamespace, n: int, tau: Sequence[Operand], bears: Sequence[Operand],
-        per_unit: Sequence[Sequence[Operand]],
+        self, m: SimpleNamespace, n: int, free: Free, pulls: Sequence[Pull], tau: Sequence[Operand],
+        forces: Sequence[Operand], what: int,
     ) -> list[Operand]:  # fmt: skip
-        """Row of Newton's equations of a joint that slips, at an estimate of all tau, and what is left of it.
+        """Row of the equations of tau of a joint that slips: its factors, its value without forces, per unit of each.
 
-        bears: what it bears without friction; per_unit: per unit tau of each.
+        In an impact what has a stated size, or a law, has no impulse; what takes rates away that are next to nothing
+        leaves those that slip alone.
         """
-        first, second = (bears[k] + summed(by[k] * x for by, x in zip(per_unit, tau, strict=True)) for k in range(2))
+        own = [1.0 if n == o else 0.0 for o in range(len(self.table))]
+        if what == KEPT or (what == HIT and (n not in self.modes or self.table[n, at.DRY_STATED])):
+            return [*own, 0.0, *(0.0 for _ in pulls)]
+        borne = self._copies.of(dry.borne.python)
+        parts = [(borne(m, n, o), x) for o, x in enumerate(tau)]
+        parts += [(pull.borne[n], f) for pull, f in zip(pulls, forces, strict=True)]
+        more = [summed(by[k] * x for by, x in parts) for k in range(2)]
+        first, second = (bears + x for bears, x in zip(free.bears[n], more, strict=True))
         size, slope, slope2 = self._resisting(m, n, first, second)
         sense = self._sense(n)
-        row = [(1.0 if n == o else 0.0) - sense * (slope * by[0] + slope2 * by[1]) for o, by in enumerate(per_unit)]
-        return [*row, tau[n] - sense * size]
+        by = [sense * (slope * a + slope2 * b) for (a, b), _ in parts]
+        row = [x - y for x, y in zip(own, by, strict=False)]
+        return [*row, sense * (size - slope * more[0] - slope2 * more[1]), *by[len(own) :]]
 
     def _resisting(self, m: SimpleNamespace, n: int, first: Operand, second: Operand) -> tuple[Operand, ...]:
         """As `dry_friction.resisting`, with mu_static of a joint that rests at its limit."""
@@ -155,15 +228,17 @@ class RecordedFriction:
             mu * m.values[p + at.DRY_ARM] * x for x in self._copies.of(dry.pressing.python)(m, n, first, second)
         )
 
-    def _stuck(self, m: SimpleNamespace, n: int) -> list[Operand]:
-        """Row of the equations of a joint that sticks: what others move it by, and its acceleration without friction,
-        by its own mobility; of one that others hold tau = 0."""
-        mobility, along = (self._copies.of(f.python) for f in (dry.mobility, dry.along))
+    def _stuck(self, m: SimpleNamespace, n: int, free: Free, pulls: Sequence[Pull], what: int) -> list[Operand]:
+        """Row of the equations of a joint that sticks: what others move it by, what it moves by without friction and
+        per unit of each force, by its own mobility; of one that others hold tau = 0."""
+        mobility = self._copies.of(dry.mobility.python)
         held = m.dry_memory[n, at.DRY_HELD] > 0.5
         own = select(held, 1.0, mobility(m, n, n))
         row = [1.0 if n == o else select(held, 0.0, mobility(m, n, o) / own) for o in range(len(self.table))]
-        free = along(m, n, m.acceleration, 0) - m.dry_rows[n, at.GAMMA]
-        return [*row, select(held, 0.0, free / own)]
+        if what == HIT and self.table[n, at.DRY_STATED]:
+            return [*(1.0 if n == o else 0.0 for o in range(len(self.table))), 0.0, *(0.0 for _ in pulls)]
+        moves = [free.rates[n], *(pull.rates[n] for pull in pulls)]
+        return [*row, *(select(held, 0.0, -x / own) for x in moves)]
 
     def _doubt(self, m: SimpleNamespace, n: int) -> Operand:
         """How much less exactly than rounding the row of a joint that sticks is known, see `dry_friction.eliminate`."""
@@ -195,6 +270,70 @@ class RecordedFriction:
         for n in range(len(self.table)):
             lost = m.dry_memory[n, at.DRY_FORCE] * m.dry_memory[n, at.DRY_RATE]
             m.power[at.LOSS_RATE] = m.power[at.LOSS_RATE] - lost
+
+    @staticmethod
+    def spread(m: SimpleNamespace, forces: Sequence[Operand]) -> None:
+        """Note the forces of joints, and add what they do to accelerations and multipliers."""
+        for n, tau in enumerate(forces):
+            m.dry_memory[n, at.DRY_FORCE] = m.dry_memory[n, at.DRY_ADDED] = tau
+            add(m.acceleration[1:], away(m, n)[1:], tau)
+            add(m.multiplier, m.dry_reaction[n], tau)
+
+    # ---------------------------------------------------------------- impacts
+    def gains(self, m: SimpleNamespace, n: int, tau: Sequence[Operand]) -> Operand:
+        """Change of the rate of joint n by the friction of all."""
+        mobility = self._copies.of(dry.mobility.python)
+        return summed(mobility(m, n, o) * x for o, x in enumerate(tau))
+
+    def after_impact(
+        self, m: SimpleNamespace, pulls: Sequence[Pull], tau: Sequence[Operand], forces: Sequence[Operand]
+    ) -> tuple[list[Operand], Flag]:
+        """Modes to try next of joints with set-valued friction, and a flag: those at hand agree with the impulses.
+
+        As `rubbing_impacts.change_rubbing`: the one changes that violates Coulomb's law most.
+        """
+        beyond, turned = dict[int, Operand](), dict[int, Operand]()
+        worst: Operand = 0.0
+        for n in self.rubs:
+            beyond[n], turned[n] = self._violation(m, n, pulls, tau, forces)
+            worst = select(beyond[n] > worst, beyond[n], worst)
+        changes = {n: (x > BEYOND) & (x >= worst) for n, x in beyond.items()}
+        return [select(changes[n], turned[n], self.modes[n]) for n in self.rubs], worst <= BEYOND
+
+    def _violation(
+        self, m: SimpleNamespace, n: int, pulls: Sequence[Pull], tau: Sequence[Operand], forces: Sequence[Operand]
+    ) -> tuple[Operand, Operand]:
+        """How far an impact violates the mode of joint n, as a share, and the mode that takes its place."""
+        if self.table[n, at.DRY_STATED]:
+            return 0.0, self.modes[n]
+        borne, mobility, p = self._copies.of(dry.borne.python), self._copies.of(dry.mobility.python), at.DRY_P
+        parts = [(borne(m, n, o), x) for o, x in enumerate(tau)]
+        parts += [(pull.borne[n], f) for pull, f in zip(pulls, forces, strict=True)]
+        pressing = self._copies.of(dry.pressing.python)
+        bears, _, _ = pressing(m, n, *(summed(by[k] * x for by, x in parts) for k in range(2)))
+        first = self.table[n, p]
+        most, size = m.values[first + at.DRY_MU] * m.values[first + at.DRY_ARM] * bears, abs(tau[n])
+        stuck = select(size > 0.0, (size - most) / select(size > 0.0, size + most, 1.0), 0.0)
+        mode, rate = self.modes[n], m.dry_memory[n, at.DRY_RATE]
+        terms = [rate, *(mobility(m, n, o) * x for o, x in enumerate(tau))]
+        terms += [pull.rates[n] * f for pull, f in zip(pulls, forces, strict=True)]
+        after, scale = summed(terms), summed(abs(x) for x in terms)
+        back = select(scale > 0.0, -mode * after / select(scale > 0.0, scale, 1.0), 0.0)
+        backwards = mode * rate > self._copies.of(dry.rounding.python)(m, n)  # it may bounce back before it sticks
+        sticks = abs(mode) < 0.5
+        turned = select(sticks, select(tau[n] > 0.0, -1.0, 1.0), select(backwards, -mode, 0.0))
+        return select(self.is_open(m, n), select(sticks, stuck, back), 0.0), turned
+
+    def is_open(self, m: SimpleNamespace, n: int) -> Flag:
+        """Whether joint n may stick or slip either way, as `rubbing_impacts.is_open`."""
+        free: Flag = m.dry_memory[n, at.DRY_HELD] < 0.5
+        return free & self._rough(m, n)
+
+    def mean_rate(self, m: SimpleNamespace, n: int, moved: np.ndarray) -> Operand:
+        """Rate of joint n, in the mean of before and after an impact that changes rates (nb + 1, 3) so."""
+        gained: Operand = self._copies.of(dry.along.python)(m, n, moved, 0)
+        rate: Operand = m.dry_memory[n, at.DRY_RATE] + 0.5 * gained
+        return rate
 
     # ---------------------------------------------------------------- modes
     def at(self, m: SimpleNamespace) -> list[Joint]:
@@ -260,20 +399,16 @@ class RecordedFriction:
         return held
 
 
+def away(m: SimpleNamespace, n: int) -> np.ndarray:
+    """Change of rates, or accelerations, (nb + 1, 3) per unit friction of joint n."""
+    response: np.ndarray = m.dry_response[n].reshape(-1, 3)
+    return response
+
+
 def beyond(limit_left: Operand, force: Operand) -> Operand:
     """How far |force| is above its limit, as in `dry_friction_modes.violation`; 0 if it is not."""
     most = limit_left + abs(force)
     return select(limit_left < -OVER * most, -limit_left / (abs(force) + most), 0.0)
-
-
-def _spread(m: SimpleNamespace, forces: list[Operand]) -> None:
-    """Add what the forces do to accelerations and multipliers."""
-    for n, tau in enumerate(forces):
-        for target, response in (
-            (m.acceleration[1:], m.dry_response[n].reshape(-1, 3)[1:]), (m.multiplier, m.dry_reaction[n]),
-        ):  # fmt: skip
-            for place in np.ndindex(target.shape):
-                target[place] = target[place] + response[place] * tau
 
 
 def _eliminated(rows: list[list[Operand]], doubts: Sequence[Operand]) -> tuple[list[list[Operand]], Flag]:

@@ -54,6 +54,13 @@ def power(impulse: np.ndarray, rates: np.ndarray) -> Operand:
     return total
 
 
+def add(target: np.ndarray, response: np.ndarray, force: Operand) -> None:
+    """Add to a target what a force does to it, with its response to a unit force."""
+    for place in np.ndindex(target.shape):
+        if isinstance(response[place], Symbol) or response[place] != 0.0:
+            target[place] = target[place] + response[place] * force
+
+
 def solved(rows: list[list[Operand]]) -> list[Operand]:
     """x of A x = b from rows (A, b), by elimination as they stand: no pivot is looked for.
 

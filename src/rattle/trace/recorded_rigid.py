@@ -12,27 +12,34 @@ An impact (Newton) and the modes that last are the solutions of
 with a = g'+ + e g'- and u+ + e_t u- in an impact, and g'', u' where rates are zero.  All modes are tried, each is a
 formula; none or two that fit are said by a flag.
 
+Joints that rub add their own forces, tau = C + D f in given modes, see `recorded_friction`: G and b contain them,
+linearised anew until they stay the same.
+
 Source: Pfeiffer, Glocker, Multibody Dynamics with Unilateral Contacts (1996), chapters 5 to 8.
 """
 
 from __future__ import annotations
 
+import functools
 import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 
 from rattle.equations import compliant, motion
-from rattle.equations.state import IMPULSE, LOSS, WORK, account_at, energies_at
+from rattle.equations.dry_friction import DEPENDENT
+from rattle.equations.state import DISSIPATED, IMPULSE, LOSS, WORK, account_at, energies_at
 from rattle.jit import layout as at
-from rattle.language.recorded import Flag, Operand
+from rattle.jit.choices import assume
+from rattle.language.recorded import Flag, Operand, symbol_of
 from rattle.solvers.contacts.gap_search import rate_rounding
 from rattle.solvers.nonsmooth.impact_phases import NEWTON, POISSON
 from rattle.trace.graph import Graph, Symbol, apply, both, select, select_flag, summed
+from rattle.trace.recorded_friction import HIT, KEPT, LASTING, ROUNDS, Free, Pull, RecordedFriction, away
 from rattle.trace.recorded_language import Copies
-from rattle.trace.recorded_modes import SLIGHT, Try, first, power, solved
+from rattle.trace.recorded_modes import SLIGHT, Try, add, first, power, solved
 from rattle.trace.recorded_restitution import Party, along_path, expanded
 
 SLOTS, SMOOTH_SLOTS = 2, 3  # contacts that take part at one instant, with friction and without
@@ -51,6 +58,9 @@ class Struck(NamedTuple):
     slide: dict[int, Operand]  # and the sense of its slip, 0: none
     impulse: dict[int, Operand]  # [N s or N m s]
     sound: Flag  # a flag: there is one solution
+    rubs: list[Operand]  # modes of joints that rub to be tried next in an impact
+    free: list[Flag]  # they may have any
+    agreed: Operand  # 1; 0: the joints disagree with the impulses; -1: there are none in their modes, or no forces
 
 
 class _Slot(NamedTuple):
@@ -71,6 +81,32 @@ class _Slot(NamedTuple):
         return result
 
 
+class _Without(NamedTuple):
+    """Accelerations without forces of contacts and friction of joints."""
+
+    normal: dict[int, Operand]  # g'' by contact [m/s^2 or rad/s^2]
+    tangent: dict[int, Operand]  # and of its slip
+    joints: Free | None
+
+
+class _Problem(NamedTuple):
+    """Equations of the forces of slots, by rows and columns N, T of each in turn."""
+
+    g: list[list[Operand]]
+    right: list[tuple[Operand, Operand]]  # -b
+    size: list[Operand]  # of b of N, without friction of joints
+    loose: list[Flag]  # by row: joints that stick leave something of it
+
+
+class _Solution(NamedTuple):
+    """What satisfies them in some modes."""
+
+    forces: list[list[Operand]]  # N and T of each slot
+    rubbing: list[Operand]  # forces of joints that rub
+    found: Flag
+    problem: _Problem  # with the friction of joints in it
+
+
 def _value(n: int, slots: Sequence[_Slot], values: Iterable[Operand]) -> Operand:
     """That of contact n, among the values of the slots; 0 if it does not take part."""
     return summed(select(slot.chosen[n], x, 0.0) for slot, x in zip(slots, values, strict=True))
@@ -81,12 +117,14 @@ class RigidContacts:
 
     def __init__(
         self, graph: Graph, copies: Copies, table: np.ndarray, numbers: Sequence[int], shut: Sequence[Operand],
-        slide: Sequence[Operand], is_shut: Sequence[Flag], rough: bool,
+        slide: Sequence[Operand], is_shut: Sequence[Flag], rough: bool, rubbing: RecordedFriction | None,
     ) -> None:  # fmt: skip
-        """numbers: which contacts of the table; shut, slide, is_shut: of all; rough: some may have friction."""
+        """numbers: which contacts of the table; shut, slide, is_shut: of all; rough: some may have friction; rubbing:
+        friction of joints."""
         self.graph, self._copies, self.table, self.numbers = graph, copies, table, list(numbers)
-        self.state, self.slide, self.rough = shut, slide, rough
+        self.state, self.slide, self.rough, self.rubbing = shut, slide, rough, rubbing
         self.shut = {n: is_shut[n] for n in self.numbers}
+        self.takes_part = rubbing is not None and rubbing.takes_part  # joints have impulses
         self.width = 2 if rough else 1
         self._most = min(SLOTS if rough else SMOOTH_SLOTS, len(self.numbers))
 
@@ -154,6 +192,8 @@ class RigidContacts:
             if place[0] > 0:
                 terms = terms + abs(push[place] * m.acceleration[place])
                 free = free + push[place] * push[place] * m.weight[place]
+        for j in range(len(m.dry_memory)):  # friction of joints may balance what presses
+            terms = terms + abs(power(push, away(m, j)) * m.dry_memory[j, at.DRY_FORCE])
         return ROUNDED * terms, ROUNDED * terms / free
 
     def bends(self, m: SimpleNamespace) -> tuple[dict[int, Operand], dict[int, Operand]]:
@@ -167,12 +207,15 @@ class RigidContacts:
 
     # ---------------------------------------------------------------- forces that last
     def hold(self, m: SimpleNamespace) -> None:
-        """Add the forces of contacts that are shut to the accelerations, with N, T and what they lose."""
+        """Add the forces of contacts that are shut, and of joints that rub, to the accelerations, with N, T and what
+        they lose."""
         slots, _ = self._slots(m, self.shut)
-        normal, tangent = self.bends(m)
-        forces = self._in_modes(
-            m, slots, [(slot.of(normal), slot.of(tangent) if self.rough else 0.0) for slot in slots]
-        )
+        free = m.without_contacts = self._without(m)
+        found = self._in_modes(m, slots, self._right(slots, free.normal, free.tangent), free.joints, LASTING)
+        forces = found.forces
+        if self.rubbing is not None:
+            self._copies.of(assume.python)(found.found)
+            self.rubbing.spread(m, found.rubbing)
         for target, what in ((m.acceleration, "away"), (m.multiplier, "reaction")):
             before = target.copy()
             self._add(target, slots, forces, what)
@@ -188,29 +231,88 @@ class RigidContacts:
                 sticks = apply("equal", self.slide[n], 0.0)
                 kinematics[n, at.LOSS] = select(sticks, 0.0, -held * kinematics[n, at.SLIP])
 
+    def _without(self, m: SimpleNamespace) -> _Without:
+        """Accelerations of gaps and slips, and of joints that rub, at those in m."""
+        return _Without(*self.bends(m), None if self.rubbing is None else self.rubbing.free(m))
+
+    def _right(
+        self, slots: list[_Slot], normal: dict[int, Operand], tangent: dict[int, Operand]
+    ) -> list[tuple[Operand, Operand]]:
+        """-b of each slot, by contact the numbers that are to become zero."""
+        return [(-slot.of(normal), -slot.of(tangent) if self.rough else 0.0) for slot in slots]
+
+    def _solved(
+        self, m: SimpleNamespace, slots: list[_Slot], right: list[tuple[Operand, Operand]], joints: Free | None,
+        what: int, forces: Callable[[_Problem], list[list[Operand]]],
+    ) -> _Solution:  # fmt: skip
+        """Forces by a formula for given modes, beside joints that rub; right: -b without them."""
+        g, w = self._matrix(slots), self.width
+        if self.rubbing is None or joints is None:
+            problem = _Problem(g, right, [abs(a) for a, _ in right], [True] * len(g))
+            return _Solution(forces(problem), [], True, problem)
+        pulls = self._pulls(m, slots)
+        tau: list[Operand] = [0.0] * len(joints.rates)
+        f: list[list[Operand]] = [[0.0] * w for _ in slots]
+        found: Flag = True
+        for _ in range(1 if what == KEPT else ROUNDS):  # it is linear
+            shares = self.rubbing.shares(m, joints, pulls, tau, [x for pair in f for x in pair], what)
+            rows = [
+                [x + summed(c * by[s] for c, by in zip(pull.rates, shares.by, strict=True)) for s, x in enumerate(row)]
+                for pull, row in zip(pulls, g, strict=True)
+            ]
+            alone = [summed(c * x for c, x in zip(pull.rates, shares.alone, strict=True)) for pull in pulls]
+            problem = _Problem(
+                rows,
+                [
+                    (a - alone[w * k], b - alone[w * k + 1] if self.rough else 0.0)
+                    for k, (a, b) in enumerate(right)
+                ],
+                [abs(a) for a, _ in right],
+                [rows[r][r] > DEPENDENT * g[r][r] for r in range(len(g))],
+            )  # fmt: skip
+            f = forces(problem)
+            tau, found = self.rubbing.improved(shares, [x for pair in f for x in pair], tau)
+        return _Solution(f, tau, found, problem)
+
+    def _pulls(self, m: SimpleNamespace, slots: list[_Slot]) -> list[Pull]:
+        """What unit forces N, T of each slot in turn do to joints that rub."""
+        if self.rubbing is None:
+            return []
+        return [
+            self.rubbing.pull(m, moved, reaction)
+            for slot in slots
+            for moved, reaction in zip(slot.away, slot.reaction, strict=True)
+        ]
+
     def _in_modes(
-        self, m: SimpleNamespace, slots: list[_Slot], free: list[tuple[Operand, Operand]]
-    ) -> list[list[Operand]]:
-        """N and T of each slot that keep g'' or g', and slips of those that stick, at zero; free: without them.
+        self, m: SimpleNamespace, slots: list[_Slot], right: list[tuple[Operand, Operand]], joints: Free | None,
+        what: int,
+    ) -> _Solution:  # fmt: skip
+        """N and T of each slot that keep g'' or g', and slips of those that stick, at zero; right: -b without them.
 
         A bounce that is not followed is taken back so, with its friction.
         """
-        g, w = self._matrix(slots), self.width
+        return self._solved(m, slots, right, joints, what, functools.partial(self._kept_in_modes, m, slots))
+
+    def _kept_in_modes(self, m: SimpleNamespace, slots: list[_Slot], problem: _Problem) -> list[list[Operand]]:
+        """As `_in_modes`, of a problem."""
+        g, w = problem.g, self.width
         rows: list[list[Operand]] = []
         for k, slot in enumerate(slots):
+            presses = slot.taken & problem.loose[w * k]
             rows.append([
-                *(select(slot.taken, x, 1.0 if j == w * k else 0.0) for j, x in enumerate(g[w * k])),
-                select(slot.taken, -free[k][0], 0.0),
+                *(select(presses, x, 1.0 if j == w * k else 0.0) for j, x in enumerate(g[w * k])),
+                select(presses, problem.right[k][0], 0.0),
             ])  # fmt: skip
             if not self.rough:
                 continue
             slide, mu = slot.of(dict(enumerate(self.slide))), slot.of(self._of(m, at.MU))
-            sticks = slot.taken & apply("equal", slide, 0.0) & (mu > 0.0) & slot.loose[1]
+            sticks = slot.taken & apply("equal", slide, 0.0) & (mu > 0.0) & slot.loose[1] & problem.loose[w * k + 1]
             slips: list[Operand] = [0.0] * (w * len(slots))
             slips[w * k], slips[w * k + 1] = slide * mu, 1.0
             rows.append([
                 *(select(sticks, x, y) for x, y in zip(g[w * k + 1], slips, strict=True)),
-                select(sticks, -free[k][1], 0.0),
+                select(sticks, problem.right[k][1], 0.0),
             ])  # fmt: skip
         f = solved(rows)
         return [f[w * k : w * k + w] for k in range(len(slots))]
@@ -218,9 +320,7 @@ class RigidContacts:
     def _add(self, target: np.ndarray, slots: list[_Slot], f: Sequence[Sequence[Operand]], what: str) -> None:
         for slot, forces in zip(slots, f, strict=True):
             for response, force in zip(getattr(slot, what), forces, strict=True):
-                for place in np.ndindex(target.shape):
-                    if isinstance(response[place], Symbol) or response[place] != 0.0:
-                        target[place] = target[place] + response[place] * force
+                add(target, response, force)
 
     def _of(self, m: SimpleNamespace, field: int) -> dict[int, Operand]:
         return {n: m.values[self.table[n, at.NORMAL_P] + field] for n in self.numbers}
@@ -237,15 +337,20 @@ class RigidContacts:
             decides = decides | (self.state[n] > 2.5)
         rate = {n: m.contact_kinematics[n, at.DGAP] for n in self.numbers}
         slip = {n: m.contact_kinematics[n, at.SLIP] for n in self.numbers}
-        struck, met = self._impulses(m, slots, rate, slip)
-        kept = self._in_modes(m, slots, [(slot.of(rate), slot.of(slip)) for slot in slots])
+        joints = None if self.rubbing is None else self.rubbing.before(m)
+        struck, rubs, met = self._impulses(m, slots, rate, slip, joints)
+        kept = self._in_modes(m, slots, self._right(slots, rate, slip), joints, KEPT)
         impulses = [
-            [select(hits, a, b) for a, b in zip(x, y_, strict=True)] for x, y_ in zip(struck, kept, strict=True)
+            [select(hits, a, b) for a, b in zip(x, y_, strict=True)] for x, y_ in zip(struck, kept.forces, strict=True)
         ]
-        state = self._after(m, y, slots, impulses, rate, slip)
-        normal, tangent = self.bends(m)
-        bends = [(-slot.of(normal), -slot.of(tangent) if self.rough else 0.0) for slot in slots]
-        _, lasts, modes = self._tried(m, slots, bends, lasting=True)
+        rubbing = [select(hits, a, b) for a, b in zip(rubs, kept.rubbing, strict=True)]
+        state = self._after(m, y, slots, impulses, rubbing, rate, slip)
+        turned, can, agreed = self._agrees(m, slots, struck, rubs)
+        agreed = apply("not", hits) | (agreed & met)
+        if self.rubbing is not None:
+            state = [select(agreed, new, old) for new, old in zip(state, y, strict=True)]
+        free: _Without = m.without_contacts
+        _, _, lasts, modes = self._tried(m, slots, self._right(slots, free.normal, free.tangent), free.joints, LASTING)
         shut: dict[int, Operand] = {}
         slide: dict[int, Operand] = {}
         impulse: dict[int, Operand] = {}
@@ -254,35 +359,53 @@ class RigidContacts:
             shut[n] = select(decides, select(mode > 0.5, SHUT, OPEN), self.state[n])
             way = select(mode < 1.5, 0.0, select(mode < 2.5, 1.0, -1.0))
             slide[n] = select(decides, select(mode > 0.5, way, 0.0), self.slide[n])
-            impulse[n] = select(hits, _value(n, slots, (f[0] for f in struck)), 0.0)
-        sound = enough & (met | apply("not", hits)) & (lasts | apply("not", decides))
-        return Struck(state, shut, slide, impulse, sound)
+            impulse[n] = select(hits & agreed, _value(n, slots, (f[0] for f in struck)), 0.0)
+        solved = (met | apply("not", hits)) & (lasts | apply("not", decides))
+        sound, told = enough & solved, symbol_of(1.0)
+        if self.rubbing is not None:  # joints may have other modes
+            sound, told = enough, select(solved, select(agreed, 1.0, 0.0), -1.0)
+        return Struck(state, shut, slide, impulse, sound, turned, can, told)
+
+    def _agrees(
+        self, m: SimpleNamespace, slots: list[_Slot], struck: list[list[Operand]], rubs: list[Operand]
+    ) -> tuple[list[Operand], list[Flag], Flag]:
+        """Modes of joints that rub to be tried next in an impact, and whether they may have any; a flag: those at hand
+        agree with it."""
+        if self.rubbing is None:
+            return [], [], True
+        flat = [x for pair in struck for x in pair]
+        turned, agrees = self.rubbing.after_impact(m, self._pulls(m, slots), rubs, flat)
+        return turned, [self.rubbing.is_open(m, n) for n in self.rubbing.rubs], agrees
 
     def _impulses(
-        self, m: SimpleNamespace, slots: list[_Slot], rate: dict[int, Operand], slip: dict[int, Operand]
-    ) -> tuple[list[list[Operand]], Flag]:
-        """N and T [N s] of each slot in an impact by the restitution law; a flag: there is one way."""
+        self, m: SimpleNamespace, slots: list[_Slot], rate: dict[int, Operand], slip: dict[int, Operand],
+        joints: Free | None,
+    ) -> tuple[list[list[Operand]], list[Operand], Flag]:  # fmt: skip
+        """N and T [N s] of each slot in an impact by the restitution law, those of joints that rub; a flag: there is
+        one way."""
         law = m.values[self.table[self.numbers[0], at.NORMAL_P] + at.RESTITUTION_LAW]
+        none: list[Operand] = [] if joints is None else [0.0] * len(joints.rates)
+        if joints is not None and not self.takes_part:  # what is finite has no impulse
+            joints = None
         if law == NEWTON or (len(self.numbers) == 1 and not self.rough):  # then all laws are one
-            f, met, _ = self._tried(m, slots, [self._before(m, slot, rate, slip) for slot in slots], lasting=False)
-            return f, met
+            f, rubs, met, _ = self._tried(m, slots, [self._before(m, slot, rate, slip) for slot in slots], joints, HIT)
+            return f, rubs or none, met
         e, mu = (self._of(m, field) for field in (at.RESTITUTION, at.MU))
         parties = [Party(slot.taken, slot.loose, slot.of(mu), slot.of(e)) for slot in slots]
         rates = [x for slot in slots for x in (slot.of(rate), slot.of(slip))[: self.width]]
         g = self._matrix(slots)
         if law == POISSON:
             pairs = [(-slot.of(rate), -slot.of(slip)) for slot in slots]
-            f, met, _ = self._tried(m, slots, pairs, lasting=False)
+            f, _, met, _ = self._tried(m, slots, pairs, None, HIT)
             f, expands = expanded(self.graph, g, parties, f, rates)
-            return f, met & expands
+            return f, none, met & expands
         struck: list[Operand] = [-(1.0 + parties[0].restitution) * rates[0] / g[0][0]]
         met = True
         if self.rough:
             struck, met = along_path(g, parties[0], rates[0], rates[1])
         for other in slots[1:]:
             met = met & apply("not", other.taken)
-        none: list[Operand] = [0.0] * self.width
-        return [struck, *(list(none) for _ in slots[1:])], met
+        return [struck, *(list[Operand]([0.0] * self.width) for _ in slots[1:])], none, met
 
     def _before(
         self, m: SimpleNamespace, slot: _Slot, rate: dict[int, Operand], slip: dict[int, Operand]
@@ -297,13 +420,15 @@ class RigidContacts:
         return normal, (-(1.0 + hits * e_t) * slot.of(slip) if self.rough else 0.0)
 
     def _tried(
-        self, m: SimpleNamespace, slots: list[_Slot], right: list[tuple[Operand, Operand]], lasting: bool
-    ) -> tuple[list[list[Operand]], Flag, list[Operand]]:
-        """As `first` of all combinations of modes; right: -b.
+        self, m: SimpleNamespace, slots: list[_Slot], right: list[tuple[Operand, Operand]], joints: Free | None,
+        what: int,
+    ) -> tuple[list[list[Operand]], list[Operand], Flag, list[Operand]]:  # fmt: skip
+        """As `first` of all combinations of modes, with forces of joints that rub; right: -b.
 
-        lasting: contacts whose sense of slip is given keep it.
+        what: of forces that are LASTING contacts whose sense of slip is given keep it.
         """
-        g = self._matrix(slots)
+        g, lasting = self._matrix(slots), what == LASTING
+        pulls = [] if joints is None else self._pulls(m, slots)
         options = [OFF, FORWARD] if not self.rough else [OFF, STICKS, FORWARD, BACKWARD]
         if lasting:  # what rests without a force stays shut: it takes part in impacts
             options = [*options[1:], OFF]
@@ -311,19 +436,20 @@ class RigidContacts:
         slides = [slot.of(dict(enumerate(self.slide))) if self.rough else 0.0 for slot in slots]
         tries = []
         for combination in itertools.product(options, repeat=len(slots)):
-            f = self._forces(g, right, mus, combination)
-            fits = both(self.graph, self._conditions(g, right, slots, mus, slides, combination, f, lasting))
+            formula = functools.partial(self._forces, mus, combination)
+            f, rubs, found, problem = self._solved(m, slots, right, joints, what, formula)
+            flags = [found, *self._conditions(problem, slots, mus, slides, combination, f, lasting)]
             flat = [x for pair in f for x in pair]
             gains = [summed(x * y for x, y in zip(row, flat, strict=True)) for row in g]
-            tries.append(Try(combination, f, gains, fits))
-        return first(tries)
+            for r, pull in enumerate(pulls):
+                gains[r] = gains[r] + summed(c * x for c, x in zip(pull.rates, rubs, strict=True))
+            tries.append(Try((*combination, OFF), [*f, rubs], gains, both(self.graph, flags)))
+        forces, one, modes = first(tries)
+        return forces[:-1], forces[-1], one, modes[:-1]
 
-    def _forces(
-        self, g: list[list[Operand]], right: list[tuple[Operand, Operand]], mus: list[Operand],
-        combination: Sequence[int],
-    ) -> list[list[Operand]]:  # fmt: skip
+    def _forces(self, mus: list[Operand], combination: Sequence[int], problem: _Problem) -> list[list[Operand]]:
         """N and T of each slot in these modes."""
-        w = self.width
+        g, right, w = problem.g, problem.right, self.width
         unknown = [(k, r) for k, mode in enumerate(combination) for r in range(w)
                    if (mode != OFF and r == 0) or (mode == STICKS and r == 1)]  # fmt: skip
         rows = []
@@ -349,21 +475,22 @@ class RigidContacts:
         return -mu if mode == FORWARD else mu if mode == BACKWARD else 0.0
 
     def _conditions(
-        self, g: list[list[Operand]], right: list[tuple[Operand, Operand]], slots: list[_Slot], mus: list[Operand],
-        slides: list[Operand], combination: Sequence[int], f: list[list[Operand]], lasting: bool,
+        self, problem: _Problem, slots: list[_Slot], mus: list[Operand], slides: list[Operand],
+        combination: Sequence[int], f: list[list[Operand]], lasting: bool,
     ) -> list[Flag]:  # fmt: skip
-        flat, w = [x for pair in f for x in pair], self.width
+        g, right, flat, w = problem.g, problem.right, [x for pair in f for x in pair], self.width
         flags: list[Flag] = []
         for k, mode in enumerate(combination):
             if mode == OFF:
                 gains = summed(x * y for x, y in zip(g[w * k], flat, strict=True)) - right[k][0]
-                flags.append((gains >= -SLIGHT * abs(right[k][0])) | apply("not", slots[k].taken))
+                flags.append((gains >= -SLIGHT * problem.size[k]) | apply("not", slots[k].taken))
                 continue
-            flags += [slots[k].taken, slots[k].loose[0], f[k][0] >= 0.0]
+            flags += [slots[k].taken, slots[k].loose[0], problem.loose[w * k], f[k][0] >= 0.0]
             if not self.rough:
                 continue
             if mode == STICKS:
-                flags += [abs(f[k][1]) <= (1.0 + SLIGHT) * mus[k] * f[k][0], slots[k].loose[1]]
+                held = slots[k].loose[1] & problem.loose[w * k + 1]
+                flags += [abs(f[k][1]) <= (1.0 + SLIGHT) * mus[k] * f[k][0], held]
                 if lasting:
                     flags.append(apply("equal", slides[k], 0.0))
                 continue
@@ -378,13 +505,15 @@ class RigidContacts:
 
     def _after(
         self, m: SimpleNamespace, y: np.ndarray, slots: list[_Slot], impulses: list[list[Operand]],
-        rate: dict[int, Operand], slip: dict[int, Operand],
+        rubbing: list[Operand], rate: dict[int, Operand], slip: dict[int, Operand],
     ) -> list[Operand]:  # fmt: skip
-        """y after impulses, with the walls that are touched at their places; what else its energy gains is work of
-        drivers."""
+        """y after impulses, those of joints that rub too, with the walls that are touched at their places; what else
+        its energy gains is work of drivers."""
         nq = m.change.shape[0]
         moved = np.zeros(m.acceleration.shape, dtype=object)
         self._add(moved, slots, impulses, "away")
+        for n, impulse in enumerate(rubbing):
+            add(moved, away(m, n), impulse)
         gap = {n: 0.0 if self.table[n, at.LEVEL] else m.contact_kinematics[n, at.GAP] for n in self.numbers}
         ways = self._put_back(slots, [slot.of(gap) for slot in slots])
         placed = np.zeros(m.acceleration.shape, dtype=object)
@@ -396,18 +525,25 @@ class RigidContacts:
                 state[3 * i - 3 + k] = y[3 * i - 3 + k] + placed[i, k]
                 state[place] = new
                 gained = gained + 0.5 * m.mass[i, k] * (moved[i, k] * (new + y[place]))
-        total = self._account(m, state, slots, impulses, rate, slip)
+        total = self._account(m, state, slots, impulses, rubbing, rate, slip)
+        for n, impulse in enumerate(rubbing):
+            assert self.rubbing is not None, "it has these impulses"
+            lost, place = impulse * self.rubbing.mean_rate(m, n, moved), self._copies.of(energies_at.python)(m)
+            state[place + DISSIPATED] = state[place + DISSIPATED] - lost
+            total = total + lost
         driven = self._copies.of(energies_at.python)(m) + WORK
         state[driven] = state[driven] + gained - total
         return state
 
     def _account(
         self, m: SimpleNamespace, state: list[Operand], slots: list[_Slot], impulses: list[list[Operand]],
-        rate: dict[int, Operand], slip: dict[int, Operand],
+        rubbing: list[Operand], rate: dict[int, Operand], slip: dict[int, Operand],
     ) -> Operand:  # fmt: skip
         """Add impulses and losses to the accounts of contacts in a state; the work of all impulses [J]."""
         g, flat = self._matrix(slots), [x for pair in impulses for x in pair]
         after = [summed(x * f for x, f in zip(row, flat, strict=True)) for row in g]
+        for r, pull in enumerate(self._pulls(m, slots)):
+            after[r] = after[r] + summed(c * x for c, x in zip(pull.rates, rubbing, strict=True))
         works = []
         for k, slot in enumerate(slots):
             pairs = [(slot.of(rate), impulses[k][0], after[self.width * k])]

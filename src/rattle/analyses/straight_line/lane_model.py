@@ -313,7 +313,7 @@ class _Met:
         self.midway += [*held.pressed, *held.reserve]
         struck = held.struck
         of_contacts = [*struck.shut.values(), *struck.slide.values(), *struck.impulse.values()]
-        self.struck = [*struck.state, *of_contacts, struck.sound]
+        self.struck = [*struck.state, *of_contacts, *struck.rubs, *struck.free, struck.sound, struck.agreed]
 
     def meets(
         self, late: Graph, levers: Sequence[Operand], touched: Function, midway: Function, struck: Function
