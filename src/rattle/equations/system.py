@@ -110,6 +110,11 @@ class System:
         """Names of the joints without play that have friction."""
         return tuple(dict.fromkeys(self.dry_joints))
 
+    @property
+    def turns(self) -> bool:
+        """Whether contacts may begin and end, or joints stick and slip."""
+        return len(self.arrays["contact"]) > 0 or bool((self.arrays["dry"][:, at.DRY_LAW] < 0).any())
+
     def workspace(self, also: Iterable[int] = (), **more: np.ndarray | tuple[Plain, ...]) -> Workspace:
         """A new workspace for one run.  also: other joint kernels called.  more: arrays of the time integration."""
         machine = functions.jit_runs()  # read once: another thread may switch to machine code at any moment

@@ -197,6 +197,7 @@ class Graph:
         self.operands: list[tuple[int, ...]] = []
         self.numbers: dict[int, float] = {}  # of the operations that are numbers
         self.inputs: list[int] = []  # places of the inputs, in order
+        self.estimates: set[int] = set()  # places of operations whose branches do not show in what comes of them
         self._known: dict[object, int] = {}
         self._lowered: tuple[Graph, dict[int, Operand]] | None = None
 

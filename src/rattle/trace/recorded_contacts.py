@@ -110,6 +110,8 @@ class RecordedContacts:
             raise TraceError(f"contacts with friction with states (joint {joint}) cannot be straight-line code")
         if self.lanes and rigid and not alone and _is(values[first + at.RESTITUTION_LAW], LZB):
             raise TraceError(f'impacts (joint {joint}) do not run side by side with restitution_law = "lzb"')
+        if rigid and self.rubbing is not None and not self.lanes:
+            raise TraceError(f"friction of joints beside rigid contacts (joint {joint}) has no derivatives")
         has_impulses = self.rubbing is not None and self.rubbing.takes_part
         if rigid and has_impulses and not _is(values[first + at.RESTITUTION_LAW], NEWTON):
             raise TraceError(

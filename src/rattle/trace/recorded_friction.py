@@ -25,7 +25,7 @@ from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.language.recorded import Flag, Operand
 from rattle.solvers.dry_friction_modes import OVER, TAKEN, driven_ahead, sudden
-from rattle.trace.graph import apply, select, summed
+from rattle.trace.graph import Graph, Symbol, apply, select, summed
 from rattle.trace.known_signs import positive
 from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_modes import add
@@ -78,26 +78,26 @@ class Shares(NamedTuple):
 class RecordedFriction:
     """That of the joints of a system, nd of them, on symbols of one graph."""
 
-    def __init__(self, system: System, lanes: bool) -> None:
-        """lanes: set-valued friction may be recorded, with modes as inputs.
+    def __init__(self, graph: Graph, system: System, modes: bool, slopes: bool) -> None:
+        """modes: set-valued friction may be recorded, with modes as inputs; slopes: it is differentiated.
 
         Raises TraceError for friction that cannot be recorded so.
         """
-        self.table = system.arrays["dry"]
+        self.graph, self.slopes, self.table = graph, slopes, system.arrays["dry"]
         self.joints = system.dry_joints
         self.rubs = np.flatnonzero(self.table[:, at.DRY_LAW] < 0).tolist()  # those with set-valued friction
         self.takes_part = bool((self.table[self.rubs, at.DRY_STATED] == 0).any())  # in impacts: what is finite does not
         self.modes: dict[int, Operand] = {}
-        self._require_able(system, lanes)
+        self._require_able(system, modes)
 
-    def _require_able(self, system: System, lanes: bool) -> None:
+    def _require_able(self, system: System, modes: bool) -> None:
         joints, contact = ", ".join(system.rough_joints), system.arrays["contact"]
-        if self.rubs and not lanes:
+        if self.rubs and not modes:
             raise TraceError(f"dry friction sticks and slips, which straight-line code cannot follow (joints {joints})")
         if len(self.table) > MOST:
             raise TraceError(f"more than {MOST} joints with friction ({joints}) cannot be straight-line code")
         for joint, entry in zip(self.joints, self.table, strict=True):
-            states = bool(entry[at.DRY_STATES]) and not lanes
+            states = bool(entry[at.DRY_STATES]) and not modes
             what = "with states" if states else "of discs" if entry[at.DRY_FORM] == at.DRY_ROLLER else ""
             if what:
                 raise TraceError(f"friction {what} (joint {joint}) cannot be straight-line code")
@@ -126,9 +126,11 @@ class RecordedFriction:
     def _hold(self, m: SimpleNamespace, n: int, free: Operand) -> None:
         """Stands for `dry_friction.hold`."""
         held: Flag = self._copies.of(dry.mobility.python)(m, n, n) <= FIXED * free
-        m.dry_memory[n, at.DRY_HELD] = select(held, 1.0, 0.0)
-        for c, x in enumerate(m.dry_response[n]):
-            m.dry_response[n, c] = select(held, 0.0, x)
+        told = m.dry_memory[n, at.DRY_HELD] = select(hidden(held), 1.0, 0.0)
+        for flag in (told > 0.5, told < 0.5):  # at a dead centre, as a motion passes it
+            hidden(flag)
+        for c, x in enumerate(m.dry_response[n]):  # next to a dead centre it is small, but its slopes are not
+            m.dry_response[n, c] = x if self.slopes else select(held, 0.0, x)
 
     def _add(self, m: SimpleNamespace) -> None:
         """Stands for `dry_friction.add_dry_friction`: beside rigid contacts these add it, with their own forces."""
@@ -137,10 +139,26 @@ class RecordedFriction:
             return
         free, tau = self.free(m), list[Operand]([0.0] * len(self.table))
         found: Flag = True
+        first, before = len(self.graph), tau
         for _ in range(ROUNDS):
-            tau, found = self.improved(self.shares(m, free, [], tau, [], LASTING), [], tau)
+            before, (tau, found) = tau, self.improved(self.shares(m, free, [], tau, [], LASTING), [], tau)
+        self._leave_out(range(first, len(self.graph)), tau, before)
         self._copies.of(assume.python)(found)
         self.spread(m, tau)
+
+    def _leave_out(self, rounds: range, tau: Sequence[Operand], before: Sequence[Operand]) -> None:
+        """Note what only rounds before the last one have done: on which side of a switch an estimate is does not show.
+
+        tau: of the last round; before: of the one before it.
+        """
+        told = {self.graph.place(x) for x in before if isinstance(x, Symbol)}
+        ahead = [self.graph.place(x) for x in tau if isinstance(x, Symbol)]
+        while ahead:
+            place = ahead.pop()
+            if place not in told:
+                told.add(place)
+                ahead += self.graph.operands[place]
+        self.graph.estimates |= set(rounds) - told
 
     def free(self, m: SimpleNamespace) -> Free:
         """Of joints at the accelerations and multipliers in m, without friction."""
@@ -249,7 +267,7 @@ class RecordedFriction:
             free = free + summed(m.weight[body, k] * m.dry_rows[n, first + k] ** 2 for k in range(3))
         sticks = self._sticks(m, n) & (m.dry_memory[n, at.DRY_HELD] < 0.5)
         doubt = dry.LOST * free / select(sticks, self._copies.of(dry.mobility.python)(m, n, n), 1.0)
-        return select(sticks & (doubt > 1.0), doubt, 1.0)
+        return select(sticks & hidden(doubt > 1.0), doubt, 1.0)
 
     def _sticks(self, m: SimpleNamespace, n: int) -> Flag:
         return (abs(self.modes[n]) < 0.5) & self._rough(m, n)
@@ -365,6 +383,16 @@ class RecordedFriction:
             by_others,
         )  # fmt: skip
 
+    def left(self, m: SimpleNamespace) -> list[Operand]:
+        """What is above zero while modes last, as `Joint.reserve`, but with all its digits."""
+        left = []
+        for n in self.rubs:
+            tau, rate = (m.dry_memory[n, column] for column in (at.DRY_FORCE, at.DRY_RATE))
+            sticks = self._sticks(m, n) & (m.dry_memory[n, at.DRY_HELD] < 0.5)
+            kept = self._copies.of(dry.limit.python)(m, n) - abs(tau)
+            left.append(select(self._rough(m, n), select(sticks, kept, -self._sense(n) * rate), 1.0))
+        return left
+
     def rest(self, m: SimpleNamespace, state: np.ndarray) -> None:
         """Take from the rates in a state what is left to joints that stick; see `dry_friction_modes.bring_to_rest`."""
         nq = m.change.shape[0]
@@ -405,6 +433,13 @@ def away(m: SimpleNamespace, n: int) -> np.ndarray:
     return response
 
 
+def hidden(flag: Flag) -> Flag:
+    """A flag on both sides of which results are the same but for rounding: it is no switch of a motion."""
+    if isinstance(flag, Symbol):
+        flag.graph.estimates.add(flag.place)
+    return flag
+
+
 def beyond(limit_left: Operand, force: Operand) -> Operand:
     """How far |force| is above its limit, as in `dry_friction_modes.violation`; 0 if it is not."""
     most = limit_left + abs(force)
@@ -420,8 +455,8 @@ def _eliminated(rows: list[list[Operand]], doubts: Sequence[Operand]) -> tuple[l
     positive: Flag = True
     rounded: Operand = 1.0
     for k in range(count):
-        doubt = select(doubts[k] > rounded, doubts[k], rounded)
-        dependent = abs(rows[k][k]) <= dry.DEPENDENT * doubt
+        doubt = select(hidden(doubts[k] > rounded), doubts[k], rounded)
+        dependent = hidden(abs(rows[k][k]) <= dry.DEPENDENT * doubt)
         rounded = select(dependent, rounded, doubt)
         rows[k] = [select(dependent, 1.0 if o == k else 0.0, x) for o, x in enumerate(rows[k])]
         positive = positive & (rows[k][k] > 0.0)

@@ -54,13 +54,13 @@ class Recorder:
         self.contacts: RecordedContacts | None = None  # None: a model with contacts cannot be recorded
         self.friction: RecordedFriction | None = None  # None: one with friction in joints cannot be
 
-    def record_friction(self, system: System, lanes: bool) -> None:
+    def record_friction(self, system: System, modes: bool, slopes: bool) -> None:
         """Let systems with the friction of joints of this one be recorded; before anything else is.
 
-        lanes: also where it sticks and slips, with contacts.  Raises TraceError.
+        modes: also where it sticks and slips, with contacts; slopes: it is differentiated.  Raises TraceError.
         """
         if system.rough_joints:
-            self.friction = RecordedFriction(system, lanes)
+            self.friction = RecordedFriction(self.graph, system, modes, slopes)
             self.friction.begin(self._copies)
 
     def record_contacts(self, system: System, lanes: bool) -> RecordedContacts:

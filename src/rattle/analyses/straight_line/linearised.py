@@ -28,6 +28,8 @@ class Columns:
     def __call__(self, columns: np.ndarray) -> np.ndarray:
         """Outputs (n_out, n) for inputs (n_in, n), n >= 1."""
         count = columns.shape[1]
+        if not self._count:
+            return np.empty((0, count))
         inputs = np.ascontiguousarray(columns[:, filled(count)])
         outputs = np.empty((self._count, inputs.shape[1]))
         self._call(inputs, outputs)
@@ -81,6 +83,8 @@ def switching_functions(graph: Graph, outputs: Sequence[Operand], places: Iterab
     """
     margins: dict[int, Operand] = {}
     for place in graph.live(outputs) if places is None else places:
+        if place in graph.estimates:
+            continue
         op, operands = graph.ops[place], [Symbol(graph, k) for k in graph.operands[place]]
         if op == "floor":
             raise TraceError("an expression jumps (floor, mod): its sensitivities are not defined there")

@@ -37,12 +37,14 @@ from rattle.solvers.output_row import record
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph, both, select
 from rattle.trace.recorded_contacts import Impact, RecordedContacts
+from rattle.trace.recorded_friction import Joint
 from rattle.trace.recorded_rigid import Struck
 from rattle.trace.recorded_switches import Switch
 from rattle.trace.recording import Recorder, Recording
 from rattle.trace.symbol_arrays import Table
 from rattle.value_types import Tree
 
+BESIDE = 0.1  # share of what a pivot usually is at least that it may be, with equations solved more exactly
 BELOW = 1e-9  # share of the size of the mechanism by which a corner may be below its segment by rounding
 SAME = 1e-9  # share of the largest number by which a recording may differ from the kernels: rounding, well amplified
 LEAST = 1e-12  # number [SI] with which smaller ones are compared as if they were as large: rounding of zeros
@@ -62,6 +64,7 @@ class ContactFunctions:
     across: list[Operand]  # speeds of centres of pins across their normals [m/s]
     lasting: list[Operand]  # how long it will last about, which has just begun [s]; 0: unknown
     impacts: dict[int, list[Impact]]  # of the rigid ones; of one that may last with its restitution, and without
+    rubbing: RubbingFunctions | None = None  # of derivatives, if joints rub
     held: HeldFunctions | None = None  # of lanes
     strain: Sequence[Operand] = ()  # of lanes: energy [J] of those that are compliant at their depth
 
@@ -69,6 +72,15 @@ class ContactFunctions:
     def count(self) -> int:
         """Number of contacts, and of joints that rub and of switches after them: of inputs of each kind."""
         return self.are.inputs
+
+
+@dataclass(frozen=True)
+class RubbingFunctions:
+    """Recorded functions of joints with set-valued friction, in their modes; lists by joint."""
+
+    joints: list[Joint]
+    left: list[Operand]  # what is above zero while a mode lasts: of the limit [N or N m], or slip in its sense
+    rested: list[Operand]  # (ny,) the state, joints that stick brought to rest
 
 
 @dataclass(frozen=True)
@@ -180,7 +192,7 @@ def record_model(
     }
     recorded = compile_system(_counting(read(document, chosen=chosen), system, recorder)) if names else system
     _require_known_states(recorded)
-    recorder.record_friction(recorded, lanes)
+    recorder.record_friction(recorded, lanes or contacts, contacts and not lanes)
     met = recorder.record_contacts(recorded, lanes) if contacts else None
     if met is not None and not met.inputs:  # nothing begins, ends, or switches
         met = None
@@ -223,7 +235,18 @@ def _record_contacts(
     (workspace, impacts, held, strain), _ = recording.guarded(measured)
     kept = (at.GAP, at.DGAP, at.NORMAL, at.ACROSS)
     gap, rate, normal, across = (list(workspace.contact_kinematics[:, column]) for column in kept)
-    return ContactFunctions(met, gap, rate, normal, across, met.lasting(workspace), impacts, held, strain)
+    rubs = _record_rubbing(met, workspace, y) if held is None and met.rubbing is not None else None
+    return ContactFunctions(met, gap, rate, normal, across, met.lasting(workspace), impacts, rubs, held, strain)
+
+
+def _record_rubbing(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray) -> RubbingFunctions | None:
+    """Functions of joints that rub, for derivatives, at the state y, for which the equations of motion stand in m."""
+    assert met.rubbing is not None, "it is asked for joints that rub"
+    if not met.rubbing.rubs:
+        return None
+    rested = y.copy()
+    met.rubbing.rest(m, rested)
+    return RubbingFunctions(met.rubbing.at(m), met.rubbing.left(m), list(rested))
 
 
 def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray, switches: Sequence[Switch]) -> HeldFunctions:

@@ -87,7 +87,7 @@ class Question:
     def follows_contacts(self) -> bool:
         """Whether derivatives of the curves and of contacts make those of the outputs: not of numbers of events, of
         impulses, nor beside a mechanism without play, whose curves jump elsewhere."""
-        touches = self.analysis == "simulate" and len(self.mechanism.system.arrays["contact"]) > 0
+        touches = self.analysis == "simulate" and self.mechanism.system.turns
         return touches and not self.counts_events and not self.ideal_curves
 
     @property

@@ -18,7 +18,7 @@ from rattle.analyses.dynamics.simulate import output_times
 from rattle.analyses.history import require_no_states
 from rattle.analyses.straight_line.derived_curves import derived_curve, derived_names
 from rattle.analyses.straight_line.machine_code import MachineFunctions
-from rattle.analyses.straight_line.recorded_model import RecordedModel, record_model, require_parameters
+from rattle.analyses.straight_line.recorded_model import BESIDE, RecordedModel, record_model, require_parameters
 from rattle.equations.system import System
 from rattle.errors import InputError, SolverError, TraceError, suggest
 from rattle.language.recorded import Operand
@@ -26,12 +26,12 @@ from rattle.questions.equilibrium.compute import equilibria
 from rattle.questions.equilibrium.quasistatic import quasistatic
 from rattle.questions.kinematics.compute import analyse, instants
 from rattle.questions.sensitivity.at_rest import AtRest, record_rest
-from rattle.questions.sensitivity.contacts import ContactMotion, Touching
+from rattle.questions.sensitivity.contacts import ContactMotion
 from rattle.questions.sensitivity.driven import Driven, positions
 from rattle.questions.sensitivity.effects import derivative_name, quotient, usual_change
 from rattle.questions.sensitivity.functions import Functions
 from rattle.questions.sensitivity.growth import growth, horizon, linear_until
-from rattle.questions.sensitivity.motion import Motion
+from rattle.questions.sensitivity.motion import UNSOUND, Motion
 from rattle.questions.sensitivity.nearby import Nearby
 from rattle.questions.sensitivity.numbers import curves_of, number_slopes, numbers_in, read_off
 from rattle.questions.sensitivity.numbers import instants as all_instants
@@ -43,6 +43,7 @@ from rattle.questions.sensitivity.of_contacts import (
 )
 from rattle.questions.sensitivity.parameters import Parameters
 from rattle.questions.sensitivity.start import counted, start
+from rattle.questions.sensitivity.touching import Touching
 from rattle.results.build import build_result
 from rattle.results.reductions import Output, Reduction
 from rattle.results.result import Result, UnknownName
@@ -122,13 +123,16 @@ def sensitivity(
     times = _times(system, t_eval, analysis)
     arguments.require_room(len(times), len(outputs) * (1 + len(parameters)))
     of_contacts = contacts_in(system, outputs, analysis)
-    model = _recorded(document, system, begin, parameters, analysis == "simulate")
-    asked = Asked(model, Parameters.of(model), outputs, times, rtol, atol, of_contacts)
-    numbers = numbers_in(model, outputs, of_contacts)
-    if numbers:
-        answer, units = _with_numbers(asked, numbers, analysis)
-    else:
-        answer, units = FIND[analysis](asked)
+    for beside in (0.0, BESIDE):  # next to a singular position equations are solved more exactly, where need be
+        model = _recorded(document, system, begin, parameters, analysis == "simulate", beside)
+        asked = Asked(model, Parameters.of(model), outputs, times, rtol, atol, of_contacts)
+        numbers = numbers_in(model, outputs, of_contacts)
+        if numbers:
+            answer, units = _with_numbers(asked, numbers, analysis)
+        else:
+            answer, units = FIND[analysis](asked)
+        if analysis != "simulate" or not answer.message.endswith(UNSOUND):
+            break
     answer.stats["wall_time"] = time.perf_counter() - began
     result = _result(asked, analysis, answer, units)
     if strict and answer.message:
@@ -154,13 +158,11 @@ def _times(system: System, t_eval: Any, analysis: str) -> np.ndarray:
 
 
 def _recorded(
-    document: Tree, system: System, begin: Assembled, parameters: Sequence[str], in_time: bool
-) -> RecordedModel:
+    document: Tree, system: System, begin: Assembled, parameters: Sequence[str], in_time: bool, beside: float
+) -> RecordedModel:  # fmt: skip
     """The recorded model.  Raises TraceError with what can be done, also where a parameter changes its parts."""
     try:
-        model = record_model(
-            document, system, begin, parameters, contacts=in_time and len(system.arrays["contact"]) > 0
-        )
+        model = record_model(document, system, begin, parameters, contacts=in_time and system.turns, beside=beside)
     except TraceError as error:
         remedy = ""
         joints = system.model.joints.items()

@@ -19,19 +19,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rattle.analyses.straight_line.linearised import Linearised
-from rattle.analyses.straight_line.recorded_model import ContactFunctions
 from rattle.equations.state import LOSS, STORED, state_layout
 from rattle.questions.sensitivity.functions import Functions, Rates
-from rattle.questions.sensitivity.motion import BESIDE, RESTART, TOO_SHORT, Motion
+from rattle.questions.sensitivity.motion import BESIDE, RESTART, SAME, TOO_SHORT, Motion
 from rattle.questions.sensitivity.step import Step
+from rattle.questions.sensitivity.touching import Touching, Watched
 from rattle.solvers.nonsmooth.impacts import LOW
-from rattle.trace.lane_program import Compile
 
 GRAZES = 1e-3  # share of the largest |g'| since the contact before, below which a contact only grazes
 ALMOST = 0.1  # share of the gap at both ends of a step by which its least value may be in doubt
 TRIES = 60  # of a landing by interpolation, before steps are halved
 PEAK_ROUNDS = 40  # of the search for a largest force, by halves
+MOST_MODES = 30  # of joints that rub, one after the other at one instant
 NOT_OPEN = 1e-12  # [m or rad] by which a contact may be shut at the start
 
 
@@ -48,84 +47,6 @@ class Met:
     by_peak: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
 
-@dataclass
-class Watched:
-    """Gaps of all contacts, their rates and forces (n,), with derivatives by parameters (n, k) and along the motion."""
-
-    gap: np.ndarray
-    rate: np.ndarray
-    normal: np.ndarray
-    by_gap: np.ndarray
-    by_rate: np.ndarray
-    by_normal: np.ndarray
-    rate_in_time: np.ndarray  # (n,)
-    normal_in_time: np.ndarray
-
-
-class Touching:
-    """The recorded contacts of a model with their derivatives, and their present state."""
-
-    def __init__(self, functions: Functions, contacts: ContactFunctions, compile_function: Compile) -> None:
-        self.functions, self.are, count = functions, contacts.are, contacts.count
-        graph = functions.model.graph
-        self._watch = Linearised(graph, [*contacts.gap, *contacts.rate, *contacts.normal], compile_function)
-        self._impacts = {
-            n: [Linearised(graph, [*way.state, way.possible], compile_function) for way in ways]
-            for n, ways in contacts.impacts.items()
-        }
-        self.shut = np.zeros(count, dtype=bool)
-        self.released = np.zeros(count, dtype=bool)  # without force, but not apart yet
-        self.begin()
-
-    def begin(self) -> None:
-        """Let all contacts be open, as at the start of a motion."""
-        self.shut[:] = self.released[:] = False
-        self._let_rest()
-
-    def set(self, n: int, shut: bool, speed: float = 0.0, by_speed: np.ndarray | None = None) -> None:
-        """Let contact n be shut or open from now on."""
-        self.shut[n] = shut
-        parameters, count = self.functions.parameters, len(self.are)
-        constants, rates = parameters.constants.copy(), parameters.constant_rates.copy()
-        constants[len(constants) - 2 * count + n] = float(shut)
-        constants[len(constants) - count + n] = speed
-        rates[len(rates) - count + n] = 0.0 if by_speed is None else by_speed
-        self.functions.parameters = parameters._replace(constants=constants, constant_rates=rates)
-        self._let_rest()
-
-    def _let_rest(self) -> None:
-        """Laws of open contacts do not switch."""
-        some = np.append(~self.shut, True)
-        self.functions.resting = np.asarray(self.functions.of_contact[some].any(axis=0))
-
-    def watched(self, t: float, z: np.ndarray, rate: np.ndarray) -> Watched:
-        """Gaps, rates and forces at t [s] and z; rate: dy/dt (ny,)."""
-        values, slopes = self._watch(*self.functions.directions(t, z, rate))
-        gap, speed, normal = values.reshape(3, -1)
-        by_gap, by_rate, by_normal = slopes.reshape(3, len(gap), -1)
-        return Watched(
-            gap, speed, normal, by_gap[:, :-1], by_rate[:, :-1], by_normal[:, :-1], by_rate[:, -1], by_normal[:, -1]
-        )
-
-    def impact(
-        self, n: int, t: float, z: np.ndarray, rate: np.ndarray, rebounds: bool = True
-    ) -> tuple[np.ndarray, np.ndarray] | None:
-        """z (ny, 1 + k) after an impact of contact n, and how y after it changes along the motion before (ny,).
-
-        None if none of its ways is possible, or several that differ.  rebounds: False for the last one of a contact
-        that stays shut.
-        """
-        x, along = self.functions.directions(t, z, rate)
-        ways, possible = self._impacts[n], []
-        if self.are.lasts[n]:
-            ways = ways[:1] if rebounds else ways[1:]
-        for way in ways:
-            values, slopes = way(x, along)
-            if values[-1] == 1.0:
-                possible.append((np.column_stack([values[:-1], slopes[:-1, :-1]]), slopes[:-1, -1]))
-        return possible[0] if len(possible) == 1 else None
-
-
 class ContactMotion(Motion):
     """`Motion` of a mechanism whose contacts begin and end; `met` is the list of them, in order of time."""
 
@@ -137,18 +58,20 @@ class ContactMotion(Motion):
         self.met: list[Met] = []
         self.notes: list[str] = []
         self.grazed = math.inf  # instant from which on derivatives are not defined [s]
-        count = len(touching.are)
+        count = touching.count
         self._fastest = np.zeros(count)  # largest |g'| since the contact before
         self._open: dict[int, Met] = {}  # contacts that last
         self._tries = 0
 
     def _begin(self) -> None:
+        if self.touching.rubbing is not None:
+            self._begin_to_rub()
         super()._begin()
         if self.message:
             return
         self._seen = self._look(self.t, self.z, self._rates)
-        are = self.touching.are
-        shut = np.flatnonzero(self._seen.gap <= np.where(are.rigid, NOT_OPEN, -NOT_OPEN))
+        are, count = self.touching.are, self.touching.contacts
+        shut = np.flatnonzero(self._seen.gap[:count] <= np.where(are.rigid, NOT_OPEN, -NOT_OPEN))
         shut = shut[(self._seen.gap[shut] < -NOT_OPEN) | (self._seen.rate[shut] <= 0.0)]
         if len(shut):
             self.message = (
@@ -185,10 +108,13 @@ class ContactMotion(Motion):
     def _hit(self, before: Watched, after: Watched) -> np.ndarray:
         """Contacts that begin or end within a step."""
         touching = self.touching
-        by_force = touching.are.by_force
+        by_force = touching.by_force
         deeper = (after.gap < before.gap) & (after.rate < 0.0)
         closes = (after.gap < 0.0) & ((before.gap > 0.0) | deeper)
         closes |= (after.gap == 0.0) & (before.gap > 0.0) & (after.rate < 0.0)
+        if touching.rubbing is not None and before.rubbed is not None and after.rubbed is not None:
+            rests = (before.rubbed.rate == 0.0) & (after.rubbed.rate == 0.0) & (touching.rubbing.modes != 0.0)
+            closes[touching.contacts :] &= ~rests  # others hold it: its rate is rounding
         begins = ~touching.shut & ~touching.released & closes
         opens = touching.shut & ~by_force & (after.gap > 0.0) & ((before.gap < 0.0) | (after.rate > 0.0))
         pulls = touching.shut & by_force & (after.normal < 0.0) & (after.normal_in_time < 0.0)
@@ -196,7 +122,7 @@ class ContactMotion(Motion):
 
     def _ends_by_force(self, n: int) -> bool:
         """Whether what contact n waits for is the end of its force, not that of its gap."""
-        return bool(self.touching.shut[n] and self.touching.are.by_force[n])
+        return bool(self.touching.shut[n] and self.touching.by_force[n])
 
     def _overshoot(self, n: int, after: Watched) -> float:
         """By how much the end of a step is beyond the begin or the end of a contact [s]."""
@@ -257,9 +183,9 @@ class ContactMotion(Motion):
     def _let_go(self, after: Watched) -> None:
         """Contacts whose force has ended are open once their gap is."""
         self.touching.released &= ~((after.gap > 0.0) & (after.rate > 0.0))
-        again = np.flatnonzero(self.touching.released & ~self.touching.are.rigid & (after.rate < 0.0))
+        again = np.flatnonzero(self.touching.released & ~self.touching.rigid & (after.rate < 0.0))
         if len(again):
-            joint = self.touching.are.joints[again[0]]
+            joint = self.touching.joints[again[0]]
             self.message = (
                 f"stopped at t = {self.t:.6g} s: the contact in {joint}, whose force has ended, is pressed again before"
                 " its gap opens, which derivatives do not follow"
@@ -268,22 +194,27 @@ class ContactMotion(Motion):
     # ---------------------------------------------------------------- contacts
     def _meet(self, hit: np.ndarray) -> None:
         """What begins or ends at the present instant."""
-        joints = self.touching.are.joints
-        if len(hit) > 1:
+        joints, contacts = self.touching.joints, self.touching.contacts
+        rubs = bool((hit >= contacts).all())
+        if len(hit) > 1 and not rubs:
             names = ", ".join(dict.fromkeys(joints[n] for n in hit))
             self.message = f"stopped at t = {self.t:.6g} s: several contacts begin or end there at once ({names})"
             return
-        (n,) = hit.tolist()
+        n = int(hit[0])
         seen, before = self._seen, self._rates.values
         by, rate = seen.by_gap, seen.rate
         if self._ends_by_force(n):
             by, rate = seen.by_normal, seen.normal_in_time
         shift = -by[n] / rate[n] if rate[n] != 0.0 else np.full(before.shape[1] - 1, math.nan)
         self._keep_moment(shift)
-        if self.touching.shut[n]:
+        if rubs:
+            self._turn(hit, shift)
+        elif self.touching.shut[n]:
             self._end(n, shift)
         else:
             self._start(n, shift)
+        if seen.rubbed is not None and not self.message:  # forces have jumped
+            self._settle(shift)
         if not self.message:
             self._keep_moment(shift)
             self.h, self._near = RESTART * self.t_end, 0
@@ -364,6 +295,57 @@ class ContactMotion(Motion):
             self.message = f"stopped at t = {self.t:.6g} s: a contact begins or ends next to a singular position"
             return
         self._seen = self._look(self.t, self.z, self._rates)
+
+    # ---------------------------------------------------------------- joints that rub
+    def _turn(self, hit: np.ndarray, shift: np.ndarray) -> None:
+        """Joints that rub come to the ends of their modes."""
+        seen, rubbing = self._seen, self.touching.rubbing
+        assert rubbing is not None, "some rub"
+        assert seen.rubbed is not None
+        modes = rubbing.modes.copy()
+        for n in hit.tolist():
+            own = -seen.by_gap[n] / seen.rate[n] if seen.rate[n] != 0.0 else np.full_like(shift, math.nan)
+            if not np.abs(own - shift).max(initial=0.0) <= SAME * np.abs(shift).max(initial=0.0):
+                names = ", ".join(dict.fromkeys(self.touching.joints[n] for n in hit))
+                self.message = (
+                    f"stopped at t = {self.t:.6g} s: several joints begin to slip or to stick at once ({names})"
+                )
+                return
+            modes[n - self.touching.contacts] = rubbing.ended(n - self.touching.contacts, seen.rubbed)
+        self._rub(modes, shift)
+
+    def _begin_to_rub(self) -> None:
+        """Find the modes of joints that rub at the start."""
+        self.functions.start_energy(self.z)
+        self._rates = self.functions.rates(self.t, self.z)
+        self._seen = self._look(self.t, self.z, self._rates)
+        if self._rates.sound and self._seen.rubbed is not None:
+            self._rub(np.sign(self._seen.rubbed.rate), np.zeros(self.z.shape[1] - 1))
+
+    def _rub(self, modes: np.ndarray, shift: np.ndarray) -> None:
+        """Joints have other modes from the present instant on; shift: how this changes with the parameters."""
+        rubbing, before = self.touching.rubbing, self._rates.values[:, 0]
+        assert rubbing is not None, "some rub"
+        self.touching.rub(modes)
+        self._go_on(*rubbing.rested(self.t, self.z, before), shift)
+        if not self.message:
+            self._settle(shift)
+
+    def _settle(self, shift: np.ndarray) -> None:
+        """Change modes of joints that rub until they fit the forces at the present instant."""
+        for _ in range(MOST_MODES):
+            rubbing, rubbed = self.touching.rubbing, self._seen.rubbed
+            assert rubbing is not None, "some rub"
+            assert rubbed is not None
+            modes = rubbing.settled(rubbed)
+            if np.array_equal(modes, rubbing.modes):
+                return
+            before = self._rates.values[:, 0]
+            self.touching.rub(modes)
+            self._go_on(*rubbing.rested(self.t, self.z, before), shift)
+            if self.message:
+                return
+        self.message = f"stopped at t = {self.t:.6g} s: joints that rub stick and slip to and fro there without end"
 
     def _number(self, joint: str) -> int:
         return 1 + sum(met.joint == joint for met in self.met)

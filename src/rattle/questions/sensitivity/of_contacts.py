@@ -61,6 +61,8 @@ def require_same_contacts(model: RecordedModel, run: ContactMotion, reach: float
     # contacts at their instants, also where the model says a method of equal steps
     method = "event" if run.touching.are.rigid.any() else "dop853"
     alone = simulate(model.system, model.start, t_end=end, t_eval=[0.0, end], method=method, rtol=rtol, atol=atol)
+    if run.touching.rubbing is not None and reach >= end:
+        _require_same_end(model, run, alone)
     begins = _begins(run, alone)
     noticed = NOTICED * max((event.normal_speed for event in begins), default=0.0)
     last = min(reach, (1.0 - SAME) * end, run.grazed)
@@ -77,6 +79,17 @@ def require_same_contacts(model: RecordedModel, run: ContactMotion, reach: float
                 f"no sensitivities: contact {n + 1}, in {event.joint} at t = {event.t:.6g} s, is missed; a smaller rtol"
                 " may help"
             )
+
+
+def _require_same_end(model: RecordedModel, run: ContactMotion, alone: Result) -> None:
+    """Raise TraceError unless a run without derivatives, in which joints stick and slip, ends at the same place."""
+    names = [f"{body}.{part}" for body in model.system.bodies for part in ("x", "y", "angle")]
+    want, got = np.array([alone[name][-1] for name in names]), run.z[: len(names), 0]
+    if (np.abs(got - want) > SAME * max(1.0, float(np.abs(want).max(initial=0.0)))).any():
+        raise TraceError(
+            "no sensitivities: joints stick and slip otherwise than in a run without derivatives; a smaller rtol may"
+            " help"
+        )
 
 
 def _begins(run: ContactMotion, alone: Result) -> list[Event]:

@@ -14,7 +14,7 @@ from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.questions.kinematics.compute import analyse
 from rattle.questions.sensitivity.compute import Asked
-from rattle.questions.sensitivity.contacts import ContactMotion, Touching
+from rattle.questions.sensitivity.contacts import ContactMotion
 from rattle.questions.sensitivity.driven import Driven, positions
 from rattle.questions.sensitivity.functions import Functions
 from rattle.questions.sensitivity.growth import horizon
@@ -23,6 +23,7 @@ from rattle.questions.sensitivity.nearby import Nearby
 from rattle.questions.sensitivity.of_contacts import require_same_contacts, require_same_start
 from rattle.questions.sensitivity.parameters import Parameters
 from rattle.questions.sensitivity.start import StartDerivatives
+from rattle.questions.sensitivity.touching import Touching
 from rattle.trace.elementary import lower
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from rattle.analyses.straight_line.lane_model import Asked, lane_model, needs_short_steps, why_not_lanes
 from rattle.analyses.straight_line.machine_code import MachineFunctions
-from rattle.analyses.straight_line.recorded_model import RecordedModel
+from rattle.analyses.straight_line.recorded_model import BESIDE, RecordedModel
 from rattle.analyses.straight_line.starts import Starts
 from rattle.description.model import within_limits
 from rattle.errors import TraceError
@@ -38,7 +38,6 @@ from rattle.trace.reductions import EXTREMES
 
 MOST_OPERATIONS = 20_000  # of right-hand side, projection and curves; beyond, machine code is slow to make
 DRIVEN = ("kinematics", "inverse-dynamics")  # a motion that drivers determine: its integral is put on the constraints
-BESIDE = 0.1  # share of what a pivot usually is at least that it may be, with equations solved more exactly
 EVENT_DRIVEN = "event"  # the method of models with rigid contacts: steps of the usual one, which end at events
 MAY_TOWER = 0.5  # share of what is too high above the mean, as what is usual may be less than that
 

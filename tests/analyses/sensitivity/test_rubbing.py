@@ -1,0 +1,200 @@
+"""Derivatives of motions in which joints stick and slip: closed forms, and runs beside theirs."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rattle as rt
+from rattle.errors import TraceError
+
+G = 9.81
+PIN = '{ model = "coulomb", mu = "mu", mu_static = "1.4*mu", pin_radius = "r" }'
+
+
+def block(push="0", friction='{ model = "coulomb", mu = "mu", mu_static = "1.5*mu" }', more=""):
+    """On a rail."""
+    return f"""
+format = 1
+gravity = [0, -9.81]
+parameters = {{ mu = 0.2, v = 1.0, F = 10.0 }}
+ground.points.O = [0, 0]
+bodies.block = {{ points = {{ C = [0, 0] }}, mass = 2, inertia = 1 }}
+loads.push = {{ type = "force", at = "block.C", force = ["{push}", 0] }}
+[joints.rail]
+type = "prismatic"
+connect = ["ground.O", "block.C"]
+axis = 0
+friction = {friction}
+{more}
+[initial.block]
+x = 0
+vx = "v"
+"""
+
+
+def slider_crank(begins, motion="", slider="friction = PIN"):
+    """With friction in its pins and its guide."""
+    return f"""
+format = 1
+gravity = [0, -9.81]
+parameters = {{ mu = 0.1, omega = 20.0, r = 0.01 }}
+{f'drivers.motor = {{ joint = "O", angle = "{motion}" }}' if motion else ""}
+ground.points.O = [0, 0]
+bodies.crank = {{ points = {{ O = [0, 0], A = [0.05, 0] }}, mass = 0.3, inertia = 1e-4 }}
+bodies.rod = {{ bar = ["A", "B"], length = 0.12, mass = 0.21, inertia = 2.5e-4 }}
+bodies.slider = {{ points = {{ B = [0, 0] }}, mass = 0.14, inertia = 1e-4 }}
+[joints]
+O = {{ type = "revolute", connect = ["ground.O", "crank.O"], friction = PIN }}
+A = {{ type = "revolute", connect = ["crank.A", "rod.A"], friction = PIN }}
+B = {{ type = "revolute", connect = ["slider.B", "rod.B"], {slider} }}
+[joints.guide]
+type = "prismatic"
+connect = ["ground.O", "slider.B"]
+axis = 0
+friction = {{ model = "coulomb", mu = "mu" }}
+[initial]
+{begins}
+""".replace("PIN", PIN)
+
+
+def slopes(found, output):
+    """Derivatives of an output by all parameters (n, k)."""
+    names = [name for name in found.names if name.startswith(f"d({output})/")]
+    return np.array([found[name] for name in names]).T
+
+
+def assert_as_beside(m, outputs, t, rel=1e-6, share=1e-5):
+    """Derivatives of a motion that comes to its end are the differences of runs at values beside; returns them."""
+    names = list(m.parameters)
+    found = m.sensitivity(outputs, names, t_eval=t)
+    assert found.success, found.message
+    for output in outputs:
+        columns = []
+        for name in names:
+            h = share * abs(m.parameters[name])
+            low, high = (
+                m.set({name: m.parameters[name] + way}).simulate(t_eval=t, rtol=1e-12, atol=1e-15) for way in (-h, h)
+            )
+            columns.append((high[output] - low[output]) / (2.0 * h))
+        want = np.array(columns).T
+        assert np.abs(want).max() > 0.0
+        assert slopes(found, output) == pytest.approx(want, rel=rel, abs=rel * np.abs(want).max()), output
+    return found
+
+
+# ---------------------------------------------------------------- closed forms
+def test_where_a_block_comes_to_rest():
+    found = rt.loads(block()).sensitivity(["block.x", "block.vx", "rail.friction"], ["mu", "v"], t_eval=[0.0, 0.2, 2.0])
+    mu, v = 0.2, 1.0
+    assert slopes(found, "block.x") == pytest.approx(
+        np.array([[0.0, 0.0], [-G * 0.02, 0.2], [-(v**2) / (2.0 * mu**2 * G), v / (mu * G)]]), rel=1e-9, abs=1e-12
+    )
+    assert slopes(found, "block.vx") == pytest.approx(np.array([[0.0, 1.0], [-G * 0.2, 1.0], [0.0, 0.0]]), abs=1e-9)
+    assert slopes(found, "rail.friction") == pytest.approx(
+        np.array([[-2.0 * G, 0.0], [-2.0 * G, 0.0], [0.0, 0.0]]), abs=1e-9
+    )
+
+
+def test_a_block_that_breaks_away_begins_later_and_with_a_jump():
+    """Pushed by F t from rest: it slips from t0 = mu_static m g/F on, against mu m g."""
+    mu, force, t = 0.2, 10.0, 1.5
+    m = rt.loads(block("F*t")).set(v=0.0)
+    found = m.sensitivity(["block.vx", "block.x"], ["mu", "F"], t_eval=[0.3, t])
+    begins = 1.5 * mu * 2.0 * G / force
+    later, drive = t - begins, 0.5 * mu * G
+    by_mu, by_force = 1.5 * 2.0 * G / force, -begins / force  # of the instant
+    speed = [0.5 * G * later - drive * by_mu - 0.5 * force * later * by_mu,
+             0.25 * later**2 - (drive + 0.5 * force * later) * by_force]  # fmt: skip
+    assert slopes(found, "block.vx")[0] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert slopes(found, "block.vx")[1] == pytest.approx(speed, rel=1e-8)
+    way = drive * later + 0.25 * force * later**2
+    place = [0.25 * G * later**2 - way * by_mu, later**3 / 12.0 - way * by_force]
+    assert slopes(found, "block.x")[1] == pytest.approx(place, rel=1e-8)
+
+
+def test_how_far_a_pendulum_swings_before_its_friction_holds_it():
+    m = rt.loads("""
+format = 1
+gravity = [0, -9.81]
+parameters = { T = 0.15 }
+ground.points.O = [0, 0]
+bodies.one = { bar = ["A", "B"], length = 0.3, mass = 1 }
+joints.O = { type = "revolute", connect = ["ground.O", "one.A"], friction = { torque = "T" } }
+initial.one = { angle = 0.4, omega = 0 }
+""")
+    found = m.sensitivity(["one.angle"], ["T"], t_eval=[6.0])
+    torque, weight, angle, sense, slope = 0.15, G * 0.15, 0.4, -1.0, 0.0
+    turns = 0
+    while abs(weight * math.cos(angle)) > torque:
+        low, high = angle + 1e-3 * sense, -math.pi - angle
+
+        def left(there, angle=angle, sense=sense):
+            return weight * (math.sin(angle) - math.sin(there)) - torque * sense * (there - angle)
+
+        for _ in range(80):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if left(low) * left(middle) > 0.0 else (low, middle)
+        there = 0.5 * (low + high)
+        by_there = -weight * math.cos(there) - torque * sense
+        by_angle = weight * math.cos(angle) + torque * sense
+        slope = (sense * (there - angle) - by_angle * slope) / by_there
+        angle, sense, turns = there, -sense, turns + 1
+    assert turns > 5
+    assert found["one.angle"][-1] == pytest.approx(angle, abs=1e-8)
+    assert found["d(one.angle)/d(T)"][-1] == pytest.approx(slope, rel=1e-6)
+
+
+# ---------------------------------------------------------------- as runs beside
+MOTIONS = {
+    "pushed to and fro": (block("F*sin(6*t)"), ["block.x", "block.vx", "energy.dissipated"], 2.0),
+    "on a belt": (block("-40*block.x - 0.2*block.vx"), ["block.x", "block.vx"], 3.0),
+    "a crank that comes to rest": (
+        slider_crank('crank = { angle = 0.7, omega = "omega" }'),
+        ["crank.angle", "crank.omega", "guide.friction", "energy.dissipated"], 0.6,
+    ),
+    "a crank that is driven": (
+        slider_crank("", "0.7 + 0.8*sin(omega*t)"), ["motor.torque", "guide.friction", "O.force"], 0.3,
+    ),
+    "beside a contact": (
+        slider_crank('crank = { angle = 0.7, omega = "omega" }\nB = { offset = [0, 0] }', slider=(
+            'clearance = 5e-4, contact = { model = "lankarani-nikravesh", stiffness = 2e8, exponent = 1.5,'
+            " restitution = 0.5, bush_radius = 0.01 }"
+        )), ["crank.angle", "guide.friction"], 0.02,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_derivatives_are_those_of_runs_beside(name):
+    text, outputs, t_end = MOTIONS[name]
+    found = assert_as_beside(rt.loads(text), outputs, np.linspace(0.0, t_end, 8), rel=2e-5)
+    assert found.stats["switchings"] > 0
+
+
+def test_numbers_of_the_whole_run():
+    m = rt.loads(block("F*sin(6*t)"))
+    outputs = ["max(block.x)", "mean(block.vx)", "rms(block.vx)", "first(block.vx < 0.1)", "max(abs(rail.friction))"]
+    found = m.sensitivity(outputs, ["mu", "v"], t_eval=[2.0])
+    for output in outputs:
+        want = []
+        for name in ("mu", "v"):
+            values = m.parameters[name] + np.array([-1e-5, 1e-5])
+            low, high = m.many({name: values}, [output], t_end=2.0, rtol=1e-12, atol=1e-15)[output]
+            want.append((high - low) / 2e-5)
+        assert slopes(found, output)[-1] == pytest.approx(want, rel=1e-6, abs=1e-7), output
+
+
+def test_tolerances_follow_them():
+    m = rt.loads(block("F*sin(6*t)").replace("mu = 0.2", "mu = { value = 0.2, tol = 0.01 }"))
+    found = m.tolerance("final(block.x)", t_end=2.0, n=16)
+    assert found.how == "exact derivatives"
+    alone = m.sensitivity(["block.x"], ["mu"], t_eval=[2.0])["d(block.x)/d(mu)"][-1]
+    assert found.slopes["mu"] == pytest.approx(alone, rel=1e-8)
+
+
+# ---------------------------------------------------------------- what is not followed
+def test_joints_that_rub_beside_rigid_contacts_are_refused_in_words():
+    more = 'stop = { min = -0.1, max = 0.2, contact = { model = "impact", restitution = 0.5 } }'
+    with pytest.raises(TraceError, match=r"friction of joints beside rigid contacts \(joint rail\) has no derivatives"):
+        rt.loads(block(more=more)).sensitivity(["block.x"], ["mu"], t_eval=[0.1])
