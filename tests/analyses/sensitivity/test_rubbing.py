@@ -148,6 +148,9 @@ initial.one = { angle = 0.4, omega = 0 }
 # ---------------------------------------------------------------- as runs beside
 MOTIONS = {
     "pushed to and fro": (block("F*sin(6*t)"), ["block.x", "block.vx", "energy.dissipated"], 2.0),
+    "whose load breaks it loose for a short while": (
+        block("F*sin(9.3*t) - 24.4*block.x"), ["block.x", "block.vx"], 2.0,
+    ),
     "on a belt": (block("-40*block.x - 0.2*block.vx"), ["block.x", "block.vx"], 3.0),
     "a crank that comes to rest": (
         slider_crank('crank = { angle = 0.7, omega = "omega" }'),

@@ -164,7 +164,7 @@ def needs_short_steps(outputs: Sequence[Output], model: RecordedModel) -> bool:
         return False
     if any(_brief(reduction, signals) for reduction in sampled):
         return True
-    if _pulsates(inside):
+    if pulsates(inside):
         return True
     driven = driven_bodies(model.system, model.start)
     loaded = {point.body for load in inside.loads.values() for point in (load.a, load.b)}
@@ -179,7 +179,7 @@ def _brief(reduction: Any, signals: Container[str]) -> bool:
     return reduction.kind in CONDITIONS or any(_brisk(part, signals) for part in parts)
 
 
-def _pulsates(model: description.Model) -> bool:
+def pulsates(model: description.Model) -> bool:
     """Whether loads, or gravity, may change faster than what moves."""
     values = [*(model.falling or ()), *(value for load in model.loads.values() for value in load.values)]
     return any(_brisk(value, model.signals) for value in values if isinstance(value, Apply | Name))
@@ -329,7 +329,7 @@ class _Met:
         entries = [values[n * width : (n + 1) * width] for n in range(len(table))]
         return Meets(
             table, entries, 3 * self.model.system.body_count, touched, midway, struck, self.peaks, self.held,
-            _pulsates(self.model.system.model), self.model.contacts.count - len(table) - switches, switches,
+            pulsates(self.model.system.model), self.model.contacts.count - len(table) - switches, switches,
         )  # fmt: skip
 
 

@@ -19,12 +19,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from rattle.analyses.straight_line.lane_model import pulsates
 from rattle.equations.state import LOSS, STORED, state_layout
 from rattle.questions.sensitivity.functions import Functions, Rates
 from rattle.questions.sensitivity.motion import BESIDE, RESTART, SAME, TOO_SHORT, Motion
 from rattle.questions.sensitivity.step import Step
 from rattle.questions.sensitivity.touching import Touching, Watched
 from rattle.solvers.nonsmooth.impacts import LOW
+from rattle.trace.lane_control import SHORT
 
 GRAZES = 1e-3  # share of the largest |g'| since the contact before, below which a contact only grazes
 ALMOST = 0.1  # share of the gap at both ends of a step by which its least value may be in doubt
@@ -61,6 +63,7 @@ class ContactMotion(Motion):
         count = touching.count
         self._fastest = np.zeros(count)  # largest |g'| since the contact before
         self._open: dict[int, Met] = {}  # contacts that last
+        self._pulsates = pulsates(functions.model.system.model)
         self._tries = 0
 
     def _begin(self) -> None:
@@ -219,6 +222,14 @@ class ContactMotion(Motion):
             self._keep_moment(shift)
             self.h, self._near = RESTART * self.t_end, 0
             self.switched += 1
+            self._limit_steps()
+
+    def _limit_steps(self) -> None:
+        """While a body rests steps grow, whatever loads do that change with time."""
+        touching = self.touching
+        rests = (touching.shut & touching.rigid).any()
+        rests |= touching.rubbing is not None and (np.abs(touching.rubbing.modes) != 1.0).any()
+        self._longest = self.t_end / SHORT if rests and self._pulsates else math.inf
 
     def _start(self, n: int, shift: np.ndarray) -> None:
         seen, touching, joint = self._seen, self.touching, self.touching.are.joints[n]
@@ -321,6 +332,7 @@ class ContactMotion(Motion):
         self._seen = self._look(self.t, self.z, self._rates)
         if self._rates.sound and self._seen.rubbed is not None:
             self._rub(np.sign(self._seen.rubbed.rate), np.zeros(self.z.shape[1] - 1))
+            self._limit_steps()
 
     def _rub(self, modes: np.ndarray, shift: np.ndarray) -> None:
         """Joints have other modes from the present instant on; shift: how this changes with the parameters."""

@@ -65,6 +65,7 @@ class Motion:
         self.balance, self.share = 0.0, 0.0  # largest energy error [J], and as a share of the largest energy
         self.steps = self.rejected = self.switched = 0
         self.wall = 0.0
+        self._longest = math.inf  # step that shows all that happens [s]
         self._near = 0  # steps that must not become longer, because a switch was found ahead
         self._turnover = np.array([0.0, math.inf, -math.inf, 0.0])  # kinetic, least and most potential, work [J]
         self._names = ", ".join(sorted({switch.name for switch in system.switches})) or "an expression"
@@ -99,8 +100,9 @@ class Motion:
     def _advance(self) -> None:
         """One step, or one attempt."""
         ahead = self.t_end - self.t
-        last = 1.000001 * self.h >= ahead
-        h = ahead if last else self.h
+        h = min(self.h, self._longest)
+        last = 1.000001 * h >= ahead
+        h = ahead if last else h
         step, trouble = try_step(self.functions, self.t, h, self.z, self._rates)
         if trouble:
             self._shorten(trouble, h, 0.5)
