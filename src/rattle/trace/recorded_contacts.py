@@ -112,6 +112,9 @@ class RecordedContacts:
             raise TraceError(f'impacts (joint {joint}) do not run side by side with restitution_law = "lzb"')
         if rigid and self.rubbing is not None and not self.lanes:
             raise TraceError(f"friction of joints beside rigid contacts (joint {joint}) has no derivatives")
+        rubs = self.rubbing is not None and bool(self.rubbing.rubs)
+        if rigid and rubs and (entry[at.LEVEL] or entry[at.TOOTHED]):
+            raise TraceError(f"a clutch (joint {joint}) beside joints that rub does not run side by side")
         has_impulses = self.rubbing is not None and self.rubbing.takes_part
         if rigid and has_impulses and not _is(values[first + at.RESTITUTION_LAW], NEWTON):
             raise TraceError(

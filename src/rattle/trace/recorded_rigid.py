@@ -24,7 +24,7 @@ import functools
 import itertools
 from collections.abc import Callable, Iterable, Sequence
 from types import SimpleNamespace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -158,8 +158,9 @@ class RigidContacts:
         for place in np.ndindex(result.shape):
             value: Operand = 0.0
             for flag, array in zip(chosen.values(), arrays, strict=True):
-                if isinstance(array[place], Symbol) or array[place] != 0.0:
-                    value = select(flag, array[place], value)
+                one: Any = array[place]
+                if isinstance(one, Symbol) or one != 0.0:
+                    value = select(flag, one, value)
             result[place] = value
         return result
 
