@@ -31,11 +31,12 @@ LANE = (
     "tried",
     "flown",
     "turned at",
+    "crawls",
 )
 COUNTED = ("doubts", "landings", "turned")
 # of contacts that forces hold, at the end of a step: force, reserve of slip or stick, slip, T, g'' and g' without what
 # may be rounding, force that may be
-HELD_STARTS = ("pressed", "reserve", "most pressed", "most reserve")  # force, reserve; their sizes while it is so
+HELD_STARTS = ("pressed", "reserve", "slip", "most pressed", "most reserve")  # at the start; sizes while it is so
 HELD_ENDS = ("pressed", "reserve", "slip", "tangent", "bend", "calm", "faint")
 
 
@@ -128,7 +129,7 @@ class Touch:
     def __init__(self, meets: Meets, rows: Sequence[Operand]) -> None:
         n, p, r, all_of = meets.n, len(meets.peaks), len(meets.held), meets.all_of
         self.shut, self.speed, self.gap, self.rate, self.force, self.change, *held, lane = _parted(
-            rows, [all_of, all_of, n, n, p, p, r, r, r, r, len(LANE)]
+            rows, [all_of, all_of, n, n, p, p, *[r] * len(HELD_STARTS), len(LANE)]
         )
         self.held = dict(zip(HELD_STARTS, held, strict=True))
         self.lane = dict(zip(LANE, lane, strict=True))

@@ -31,6 +31,7 @@ MOST_TRIED = 200  # trips at one instant that try them
 STUCK = 1e-11  # share of the speed of an impact below which a slip after it is rounding
 TURN = 0.2  # of a body within which forces on a body at rest are known by three values [rad]
 AT_WALL = 1e-3  # share of the height of bounces that are not followed which may be rounding
+CRAWLS, MOST_CRAWLS = 1e-11, 500  # share of the time that a step makes no way by, and such tries in a row
 AT_ONCE = 1e-13  # share of the time within which turns are at one instant
 MISSED = 4.0  # of the time by which an instant may be missed: what is farther beyond zero has jumped there
 SHORTEST_LANDING = 2e-15  # share of the time that a step to a contact takes at least
@@ -179,6 +180,7 @@ class Meeting:
             "turns": count, "tried": select(flags.good & still, lane["tried"] + 1.0, 0.0),
             "flown": select(turns, t - lane["turned at"], lane["flown"]),
             "turned at": select(turns, t, lane["turned at"]),
+            "crawls": select(flags.good & (still | (h > CRAWLS * t)), 0.0, lane["crawls"] + one(flags.running)),
         }  # fmt: skip
         shut, speed = self._states(flags.good & still, strikes)
         others = (*self.meets.rubbing, *self.meets.switching)
@@ -202,6 +204,7 @@ class Meeting:
         lost = missed_one | (landings > float(MOST_LANDINGS)) | (count > float(MOST_TURNS)) | unsound
         unkept = values["unsound"] > float(MOST_UNSOUND)
         decided = apply("not", _any(shut[n] > 2.5 for n in others) | jumps)
+        lost = lost | (values["crawls"] > float(MOST_CRAWLS))
         lost = lost | (values["tried"] > float(MOST_TRIED if rigid and self.meets.rubs else MOST_TURNS))
         switched = flags.good & apply("not", still) & self._jumps_now(still)
         jolted, rests = flags.good & self._jolts(still), flags.good & self._rests_on_jumps()
@@ -216,7 +219,7 @@ class Meeting:
             ends, most = self.ends.held[name], self.touch.held[f"most {name}"]
             pairs.append((ends, self.touch.held[name]))
             sizes.append(([select(still, abs(x), largest(abs(x), y)) for x, y in zip(ends, most, strict=True)], most))
-        return [*pairs, *sizes]
+        return [*pairs, (self.ends.held["slip"], self.touch.held["slip"]), *sizes]
 
     def _ahead(self, h: Operand, flags: Lane, hit: Flag, cut: Flag, missed: Flag) -> Operand:
         """The step to try next [s] if no contact turns."""
@@ -256,7 +259,8 @@ class Meeting:
         again = self._again()
         for n in self.meets.rigid:
             shut[n], speed[n] = self._rigid(n, still, strikes, ended | switched, again)
-            again_now = still & switched & (shut[n] > 0.5) & (shut[n] < 1.5)
+            decided_now = self.decides & self._comes_to_rest(n)
+            again_now = still & (switched | decided_now) & (shut[n] > 0.5) & (shut[n] < 1.5)
             slip = self.ends.held["slip"][self.meets.held.index(n)]  # one at rest may slip either way now
             shut[n], speed[n] = select(again_now, DECIDES, shut[n]), select(again_now, _sign(slip), speed[n])
         if self.meets.rigid:  # joints are looked at once forces of contacts are known
@@ -389,9 +393,10 @@ class Meeting:
         return select(still, select(changes, DECIDES, SHUT), select(spent, DECIDES, code)), select(still, settled, way)
 
     def _comes_to_rest(self, n: int) -> Flag:
-        """Whether a joint slips until a trip that takes no time, with a bounce that is not followed."""
+        """Whether a contact or joint slips until a trip that takes no time, as others come to rest that hold it, or a
+        bounce is not followed."""
         k = self.meets.held.index(n)
-        before, after = self.touch.held["pressed"][k], self.ends.held["slip"][k]
+        before, after = self.touch.held["slip"][k], self.ends.held["slip"][k]
         return apply("not", apply("equal", self.touch.speed[n] * before, 0.0)) & apply("equal", after, 0.0)
 
     def _some_mode(self, joint: int) -> Operand:

@@ -88,6 +88,7 @@ class RecordedFriction:
         self.rubs = np.flatnonzero(self.table[:, at.DRY_LAW] < 0).tolist()  # those with set-valued friction
         self.takes_part = bool((self.table[self.rubs, at.DRY_STATED] == 0).any())  # in impacts: what is finite does not
         self.modes: dict[int, Operand] = {}
+        self.off: list[Operand] = [0.0] * len(self.table)  # by which rates differ from those that contacts allow
         self._require_able(system, modes)
 
     def _require_able(self, system: System, modes: bool) -> None:
@@ -364,6 +365,7 @@ class RecordedFriction:
         slight, limit = calls(dry.rounding.python)(m, n), calls(dry.limit.python)(m, n)
         # what drivers hold goes as they do: where they rest its own rate is rounding
         rate = select(held & self._sticks(m, n), calls(fixed_value.python)(m, m.dry_reaction, n, at.NU), rate)
+        rate = rate + self.off[n]
         rate = select(abs(rate) <= slight, 0.0, rate)
         kept = select(held, select(apply("equal", rate, 0.0), 1.0, -1.0), limit - abs(tau))
         ahead = calls(sudden.python)(m, n)

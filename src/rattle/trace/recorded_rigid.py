@@ -217,6 +217,7 @@ class RigidContacts:
         if self.rubbing is not None:
             self._copies.of(assume.python)(found.found)
             self.rubbing.spread(m, found.rubbing)
+            self.rubbing.off = self._off(m, slots)
         for target, what in ((m.acceleration, "away"), (m.multiplier, "reaction")):
             before = target.copy()
             self._add(target, slots, forces, what)
@@ -231,6 +232,16 @@ class RigidContacts:
                 kinematics[n, at.TANGENT] = -held
                 sticks = apply("equal", self.slide[n], 0.0)
                 kinematics[n, at.LOSS] = select(sticks, 0.0, -held * kinematics[n, at.SLIP])
+
+    def _off(self, m: SimpleNamespace, slots: list[_Slot]) -> list[Operand]:
+        """What would be added to the rates of joints that rub if contacts that are shut had none: these hold only
+        accelerations, and a joint that is pressed against one would turn back by the errors of steps."""
+        kinematics = m.contact_kinematics
+        rate, slip = ({n: kinematics[n, column] for n in self.numbers} for column in (at.DGAP, at.SLIP))
+        kept = self._in_modes(m, slots, self._right(slots, rate, slip), None, KEPT).forces
+        pulls, flat = self._pulls(m, slots), [x for pair in kept for x in pair]
+        joints = range(len(m.dry_memory))
+        return [summed(pull.rates[n] * f for pull, f in zip(pulls, flat, strict=True)) for n in joints]
 
     def _without(self, m: SimpleNamespace) -> _Without:
         """Accelerations of gaps and slips, and of joints that rub, at those in m."""

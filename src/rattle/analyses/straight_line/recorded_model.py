@@ -87,7 +87,7 @@ class RubbingFunctions:
 class HeldFunctions:
     """Recorded functions of the contacts of a model that end where their force does, and of rigid ones, for lanes;
     lists by contact, in order.  After them stand joints that rub, see `recorded_friction.Joint`: their reserve, rate as
-    slip and as pressed, force as tangent, acceleration as bend, whether others hold them as calm, what may be rounding
+    slip, force as tangent, acceleration as bend, whether others hold them as calm, what may be rounding
     of the reserve as faint.  Then expressions that switch: their switching function as slip, its rate as tangent, both
     times their side as reserve and as pressed, what may be rounding as faint."""
 
@@ -268,7 +268,7 @@ def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray, switches: Se
         held.faint.append(faint)
     for place, joint in enumerate([] if met.rubbing is None else met.rubbing.at(m)):
         held.numbers.append(len(met) + place)
-        held.pressed.append(joint.rate)
+        held.pressed.append(1.0)
         held.reserve.append(joint.reserve)
         held.slip.append(joint.rate)
         held.calm.append(joint.stuck)

@@ -49,7 +49,7 @@ def nearest(x, y, half, opens, width, radius):
     beside = 0.0 if closed else select(abs(y) > width, 1.0, 0.0)
     at_end, at_start = float(opens != AT_START and not closed), float(opens != AT_END and not closed)
     corner = select(x > 0.0, at_end, at_start)
-    fx, fy = x - end * half, y - corner * side * width
+    fx, fy = select(on_wall, 0.0, x - end * half), y - corner * side * width
     far = math.sqrt(fx * fx + fy * fy)
     inv = 1.0 / max(far, COINCIDENT)  # the centre of a pin at a corner is far inside of the material
     around = corner if closed else select(far > width, 1.0, corner)  # 1 where the wall is seen from outside

@@ -23,6 +23,7 @@ from rattle.equations.dry_friction import DEPENDENT, mobility, rounding
 from rattle.equations.unilateral import contact_rows
 from rattle.jit import layout as at
 from rattle.jit.functions import compiled
+from rattle.solvers.dry_friction_modes import in_doubt, sudden
 from rattle.solvers.nonsmooth.contact_projection import closed_contacts
 from rattle.solvers.nonsmooth.rubbing_impacts import row_response
 
@@ -75,7 +76,8 @@ def doubt_holders(m, count):
 def note_pressed(m):
     """Note which joints that rub are at rest because closed contacts hold them, beside their friction.
 
-    Such a coordinate has a sense of slip, but no slip, whose rate would be an event by rounding.
+    Such a coordinate has a sense of slip, but no slip, whose rate would be an event by rounding.  One that a contact
+    moves, as a driven pin does a slotted yoke, is at rest for an instant only: where it turns back.
     """
     memory, candidate, g, system = m.dry_memory, m.candidate, m.delassus, m.system
     count = closed_contacts(m, closed_contacts(m, 0, 0), 1)
@@ -84,6 +86,8 @@ def note_pressed(m):
     for n in range(memory.shape[0]):
         memory[n, at.DRY_PRESSED] = 0.0
         if count == 0 or m.held[at.SPARSE] == 1.0 or abs(memory[n, at.DRY_RATE]) > rounding(m, n):
+            continue
+        if abs(sudden(m, n)) > in_doubt(m, n, -1):
             continue
         size, scale = 0, 0.0
         for r in range(2 * count):
