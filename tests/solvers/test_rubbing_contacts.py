@@ -136,3 +136,37 @@ def test_friction_of_a_guide_and_of_a_loose_pin_follow_their_forces_through_thre
     assert abs(run["guide.friction"])[slides] == pytest.approx(0.1 * abs(run["guide.fy"])[slides], rel=1e-9)
     assert (abs(run["B.tangential"]) <= 0.1 * run["B.normal"] * (1 + 1e-9) + 1e-9).all()
     assert abs(run["energy.balance"]).max() < 1e-6
+
+
+def test_a_guide_that_a_driven_pin_moves_turns_back_at_the_dead_centres():
+    """There it is at rest, and the contact that moves it is closed; no friction ever pushes along its motion."""
+    run = rt.loads("""
+format = 1
+gravity = [0, -9.81]
+ground.points.O = [0, 0]
+bodies.crank = { points = { O = [0, 0], A = [0.05, 0] }, mass = 0.3, inertia = 1e-4 }
+bodies.yoke = { points = { B = [0, 0] }, mass = 0.3, inertia = 1e-3 }
+drivers.motor = { joint = "O", angle = "60*t" }
+loads.push = { type = "force", at = "yoke.B", force = ["max(0, 30*cos(5*t))", 0] }
+initial.yoke.x = 0.05
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "crank.O"]
+friction = { model = "coulomb", mu = 0.7857, pin_radius = "20 mm" }
+[joints.S]
+type = "slot"
+connect = ["yoke.B", "crank.A"]
+axis = "90 deg"
+clearance = 0.0003217193361872735
+contact = { model = "impact", restitution = 0.3 }
+[joints.guide]
+type = "prismatic"
+connect = ["ground.O", "yoke.B"]
+axis = 0
+friction = { force = 39.285 }
+""").simulate(0.2, rtol=1e-10)
+    assert run.success, run.message
+    assert (run["guide.friction"] * run["yoke.vx"]).max() <= 0.0
+    assert np.diff(run["energy.dissipated"]).min() >= -1e-12
+    turns = [event.t for event in run.events if event.joint == "guide"]
+    assert min(abs(np.array(turns) - 3.0 * np.pi / 60.0)) < 1e-9

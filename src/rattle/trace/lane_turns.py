@@ -15,7 +15,7 @@ from rattle.trace.lane_gaps import IN_TIME, SHARP
 from rattle.trace.lane_methods import largest, least
 from rattle.trace.lane_polynomials import FAR, LITTLE
 from rattle.trace.recorded_contacts import PRESSED
-from rattle.trace.recorded_friction import FIRM, beyond
+from rattle.trace.recorded_friction import Joint, ended, settled, sign
 from rattle.trace.recorded_rigid import DECIDES, HITS, OPEN, SHUT
 from rattle.trace.reductions import Touches
 
@@ -249,10 +249,12 @@ class Meeting:
         for n in self.meets.switching:
             turns, shut[n], speed[n] = self._switching(n, still)
             switched = switched | turns
-        settled = {n: self._settled(n) for n in self.meets.rubbing}
-        unsettled = _any(apply("not", apply("equal", x, self.touch.speed[n])) for n, x in settled.items())
-        for n in self.meets.rubbing:
-            shut[n], speed[n] = self._rubbing(n, still, settled[n], strikes, ended, unsettled)
+        rubbing = self.meets.rubbing
+        modes = [self.touch.speed[n] for n in rubbing]
+        settle = settled(modes, [self._joint(n) for n in rubbing])
+        unsettled = _any(apply("not", apply("equal", x, y)) for x, y in zip(settle, modes, strict=True))
+        for n, mode in zip(rubbing, settle, strict=True):
+            shut[n], speed[n] = self._rubbing(n, still, mode, strikes, ended, unsettled)
             spent = self.met.spent[self.meets.held.index(n)] > 0.0  # forces of contacts jump with it
             jumps = (self._quiet() & unsettled) | (self.decides & self._comes_to_rest(n))
             switched = switched | select_flag(still, jumps, spent)
@@ -262,10 +264,10 @@ class Meeting:
             decided_now = self.decides & self._comes_to_rest(n)
             again_now = still & (switched | decided_now) & (shut[n] > 0.5) & (shut[n] < 1.5)
             slip = self.ends.held["slip"][self.meets.held.index(n)]  # one at rest may slip either way now
-            shut[n], speed[n] = select(again_now, DECIDES, shut[n]), select(again_now, _sign(slip), speed[n])
+            shut[n], speed[n] = select(again_now, DECIDES, shut[n]), select(again_now, sign(slip), speed[n])
         if self.meets.rigid:  # joints are looked at once forces of contacts are known
             turned = _any((shut[n] > 1.5) for n in self.meets.rigid) | (still & apply("not", self._quiet()))
-            for n in self.meets.rubbing:
+            for n in rubbing:
                 shut[n] = select(turned, DECIDES, shut[n])
         return shut, speed
 
@@ -348,7 +350,7 @@ class Meeting:
         if not level:
             low = low | self._low(n, k)
         after = select(took_part & low, DECIDES, OPEN)
-        sense = select(abs(end["slip"]) <= STUCK * self._fastest(), 0.0, _sign(end["slip"]))
+        sense = select(abs(end["slip"]) <= STUCK * self._fastest(), 0.0, sign(end["slip"]))
         decided = self.decides & self.some
         shut = select(decided, self.struck.shut[r], select(again[n], DECIDES, touch.shut[n]))
         slide = select(again[n] & (touch.shut[n] < 0.5), sense, touch.speed[n])
@@ -365,32 +367,42 @@ class Meeting:
         return fastest
 
     def _rubbing(
-        self, n: int, still: Flag, settled: Operand, strikes: Flag, ended: Flag, unsettled: Flag
+        self, n: int, still: Flag, settles: Operand, strikes: Flag, lets_go: Flag, unsettled: Flag
     ) -> tuple[Operand, Operand]:  # fmt: skip
         """What a joint that rubs is after a trip, and the sense of its slip.
 
-        settled: that which its own forces suggest; strikes, ended: a contact hits, or lets go; unsettled: some joint is
-        to change.  In an impact it goes on as it slips, or sticks, until its mode disagrees with the impulses; after
-        it, it slips as it moves.  One that a contact has held at rest sticks first once that lets go.
+        settles: that to which its forces lead; strikes, lets_go: a contact does; unsettled: some joint is to change.
         """
-        k, sense, code = self.meets.held.index(n), self.touch.speed[n], self.touch.shut[n]
-        end = {name: rows[k] for name, rows in self.ends.held.items()}
-        sticks, ahead = apply("equal", sense, 0.0), _sign(end["bend"])
-        breaks, spent = -FIRM * _sign(end["tangent"]), self.met.spent[k] > 0.0
-        way = select(spent, select(sticks, select(apply("equal", end["tangent"], 0.0), ahead, breaks), 0.0), sense)
+        k, mode, code = self.meets.held.index(n), self.touch.speed[n], self.touch.shut[n]
+        spent = self.met.spent[k] > 0.0
+        way = select(spent, ended(mode, self._joint(n)), mode)
         if self.meets.rigid:
-            joint, moved, long = n - self.meets.n, _sign(end["slip"]), self.touch.lane["tried"] >= MOST_CHANGES
-            some = self._some_mode(joint)
-            at_rest = select(apply("equal", moved, 0.0), some, sense)
-            settled = select(unsettled & long, at_rest, settled)
-            kept = select(self._comes_to_rest(n), 0.0, sense)
-            settled = select(self.decides, select(self.some, kept, at_rest), settled)
-            tried = select(long | apply("not", self.some), some, self.struck.rubs[joint])
-            settled = select(self.hits, select(self.agreed, moved, tried), settled)
-            way = select(strikes | (ended & apply("equal", moved, 0.0)), moved, way)
-            spent = spent | ended
-        changes = apply("not", apply("equal", settled, sense))
-        return select(still, select(changes, DECIDES, SHUT), select(spent, DECIDES, code)), select(still, settled, way)
+            way, spent = self._beside(n, way, strikes, lets_go), spent | lets_go
+            settles = self._tried_beside(n, settles, unsettled)
+        changes = apply("not", apply("equal", settles, mode))
+        return select(still, select(changes, DECIDES, SHUT), select(spent, DECIDES, code)), select(still, settles, way)
+
+    def _beside(self, n: int, way: Operand, strikes: Flag, lets_go: Flag) -> Operand:
+        """The mode at the end of a step beside rigid contacts: in an impact it goes on as it slips, or sticks.  One
+        that a contact has held at rest sticks first once that lets go."""
+        moved = sign(self.ends.held["slip"][self.meets.held.index(n)])
+        return select(strikes | (lets_go & apply("equal", moved, 0.0)), moved, way)
+
+    def _tried_beside(self, n: int, settles: Operand, unsettled: Flag) -> Operand:
+        """The mode in a trip that takes no time beside rigid contacts.
+
+        In an impact it changes until it agrees with the impulses; after it, it slips as it moves.  Where modes do not
+        fit after some changes, or there is no solution, all combinations are tried.
+        """
+        joint, mode = n - self.meets.n, self.touch.speed[n]
+        moved = sign(self.ends.held["slip"][self.meets.held.index(n)])
+        long, some = self.touch.lane["tried"] >= MOST_CHANGES, self._some_mode(joint)
+        at_rest = select(apply("equal", moved, 0.0), some, mode)
+        kept = select(self._comes_to_rest(n), 0.0, mode)
+        settles = select(unsettled & long, at_rest, settles)
+        settles = select(self.decides, select(self.some, kept, at_rest), settles)
+        tried = select(long | apply("not", self.some), some, self.struck.rubs[joint])
+        return select(self.hits, select(self.agreed, moved, tried), settles)
 
     def _comes_to_rest(self, n: int) -> Flag:
         """Whether a contact or joint slips until a trip that takes no time, as others come to rest that hold it, or a
@@ -406,23 +418,11 @@ class Meeting:
         free, own = self.struck.free[joint] > 0.0, self.touch.speed[self.meets.n + joint]
         return select(free, select(digit > 1.5, -1.0, digit), own)
 
-    def _settled(self, n: int) -> Operand:
-        """The mode that a joint that rubs comes to by its forces, at an instant.
-
-        Where it has come to rest it sticks, first; where others move it on, it slips as they do.  If it cannot bear
-        that, it rests at its limit, the one first that is farthest beyond, and slips if no others hold it that stick.
-        """
-        k, sense = self.meets.held.index(n), self.touch.speed[n]
+    def _joint(self, n: int) -> Joint:
+        """A joint that rubs at the end of a trip."""
+        k = self.meets.held.index(n)
         end = {name: rows[k] for name, rows in self.ends.held.items()}
-        sticks, ahead = apply("equal", sense, 0.0), _sign(end["bend"])
-        breaks = -FIRM * _sign(end["tangent"])
-        worst = self._worst()
-        over = (self._beyond(n) > 0.0) & (self._beyond(n) >= worst)
-        rests, held = apply("equal", end["slip"], 0.0), end["calm"] > 0.5
-        back = rests & (sense * ahead < 0.0)
-        stuck = select(apply("equal", ahead, 0.0), select(over, breaks, 0.0), ahead)
-        moves = select(back, 0.0, select(held & rests, FIRM * _sign(sense), _sign(sense)))
-        return select(sticks, stuck, moves)
+        return Joint(end["reserve"], end["faint"], end["slip"], end["tangent"], end["bend"], end["calm"])
 
     def _switching(self, n: int, still: Flag) -> tuple[Flag, Operand, Operand]:
         """Whether an expression switches, as its switching function comes to zero or has jumped beyond it, what it is
@@ -455,26 +455,9 @@ class Meeting:
             some = some | (rests & (end["bend"] > 0.5))
         return some
 
-    def _beyond(self, n: int) -> Operand:
-        """How far the force of a joint that sticks is above its limit, as a share; 0 if it is not."""
-        k = self.meets.held.index(n)
-        far = beyond(self.ends.held["reserve"][k], self.ends.held["tangent"][k])
-        return select(apply("equal", self.touch.speed[n], 0.0), far, 0.0)
-
-    def _worst(self) -> Operand:
-        """The most that a joint is beyond its limit."""
-        worst: Operand = 0.0
-        for n in self.meets.rubbing:
-            worst = largest(worst, self._beyond(n))
-        return worst
-
     @staticmethod
     def _moved(good: Flag, new: Sequence[Operand], old: Sequence[Operand]) -> list[Operand]:
         return [select(good, a, b) for a, b in zip(new, old, strict=True)]
-
-
-def _sign(x: Operand) -> Operand:
-    return select(x > 0.0, 1.0, select(x < 0.0, -1.0, 0.0))
 
 
 def _any(flags: Iterable[Flag]) -> Flag:

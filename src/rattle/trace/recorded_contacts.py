@@ -42,6 +42,8 @@ UNABLE = (
     (at.FILM_LAW, "oil", lambda x: x >= 0), (at.WORN, "wear", bool),
 )  # fmt: skip
 
+CONTACTS = "contacts with {} ({{}}) cannot be straight-line code"
+
 
 def _is(value: object, number: float) -> bool:
     """Whether a value is this number whatever the parameters."""
@@ -102,29 +104,42 @@ class RecordedContacts:
     def _require_able(self, n: int, values: np.ndarray, alone: bool) -> None:
         """Raise TraceError for a contact that cannot be recorded; alone: there is one rigid one, and it is smooth."""
         entry, joint = self.table[n], self.joints[n]
-        for column, words, has in UNABLE:
-            if has(entry[column]):
-                raise TraceError(f"contacts with {words} (joint {joint}) cannot be straight-line code")
-        first, rigid = entry[at.NORMAL_P], self.rigid[n]
-        if entry[at.STATES] and not self.lanes:
-            raise TraceError(f"contacts with friction with states (joint {joint}) cannot be straight-line code")
-        if self.lanes and rigid and not alone and _is(values[first + at.RESTITUTION_LAW], LZB):
-            raise TraceError(f'impacts (joint {joint}) do not run side by side with restitution_law = "lzb"')
-        if rigid and self.rubbing is not None and not self.lanes:
-            raise TraceError(f"friction of joints beside rigid contacts (joint {joint}) has no derivatives")
-        rubs = self.rubbing is not None and bool(self.rubbing.rubs)
-        if rigid and rubs and (entry[at.LEVEL] or entry[at.TOOTHED]):
-            raise TraceError(f"a clutch (joint {joint}) beside joints that rub does not run side by side")
-        has_impulses = self.rubbing is not None and self.rubbing.takes_part
-        if rigid and has_impulses and not _is(values[first + at.RESTITUTION_LAW], NEWTON):
-            raise TraceError(
-                f"impacts (joint {joint}) beside dry friction of joints run side by side with restitution_law ="
-                ' "newton" only'
-            )
-        if (entry[at.LEVEL] or entry[at.TOOTHED]) and not self.lanes:
-            raise TraceError(f"a clutch (joint {joint}) cannot be straight-line code")
-        if entry[at.LEVEL] and rigid and not _is(values[first + at.MOST_TORQUE], math.inf):
-            raise TraceError(f"clutches with max_torque (joint {joint}) do not run side by side")
+        reasons = [(has(entry[k]), CONTACTS.format(words)) for k, words, has in UNABLE]
+        reasons += self._unable_kinds(entry)
+        if self.rigid[n]:
+            reasons += self._unable_impacts(entry, values, alone)
+        why = next((words for holds, words in reasons if holds), None)
+        if why is not None:
+            raise TraceError(why.format(f"joint {joint}"))
+
+    def _unable_kinds(self, entry: np.ndarray) -> list[tuple[bool, str]]:
+        """What may keep a contact from being recorded, and why, whether it is compliant or rigid; {} is its joint."""
+        clutch = bool(entry[at.LEVEL] or entry[at.TOOTHED])
+        return [
+            (bool(entry[at.STATES]) and not self.lanes, CONTACTS.format("friction with states")),
+            (clutch and not self.lanes, "a clutch ({}) cannot be straight-line code"),
+        ]
+
+    def _unable_impacts(self, entry: np.ndarray, values: np.ndarray, alone: bool) -> list[tuple[bool, str]]:
+        """The same of a rigid one."""
+        first, friction, clutch = entry[at.NORMAL_P], self.rubbing, bool(entry[at.LEVEL] or entry[at.TOOTHED])
+        law = values[first + at.RESTITUTION_LAW]
+        limited = bool(entry[at.LEVEL]) and not _is(values[first + at.MOST_TORQUE], math.inf)
+        rubs, takes_part = friction is not None and bool(friction.rubs), friction is not None and friction.takes_part
+        beside = "impacts ({}) beside dry friction of joints run side by side with restitution_law"
+        return [
+            (
+                self.lanes and not alone and _is(law, LZB),
+                'impacts ({}) do not run side by side with restitution_law = "lzb"',
+            ),
+            (
+                friction is not None and not self.lanes,
+                "friction of joints beside rigid contacts ({}) has no derivatives",
+            ),
+            (rubs and clutch, "a clutch ({}) beside joints that rub does not run side by side"),
+            (takes_part and not _is(law, NEWTON), f'{beside} = "newton" only'),
+            (limited, "clutches with max_torque ({}) do not run side by side"),
+        ]
 
     def __len__(self) -> int:
         return len(self.joints)

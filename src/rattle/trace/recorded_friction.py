@@ -139,12 +139,12 @@ class RecordedFriction:
         if len(m.closed_contacts_table) > 0:
             return
         free, tau = self.free(m), list[Operand]([0.0] * len(self.table))
-        found: Flag = True
+        converged: Flag = True
         first, before = len(self.graph), tau
         for _ in range(ROUNDS):
-            before, (tau, found) = tau, self.improved(self.shares(m, free, [], tau, [], LASTING), [], tau)
+            before, (tau, converged) = tau, self.improved(self.shares(m, free, [], tau, [], LASTING), [], tau)
         self._leave_out(range(first, len(self.graph)), tau, before)
-        self._copies.of(assume.python)(found)
+        self._copies.of(assume.python)(converged)
         self.spread(m, tau)
 
     def _leave_out(self, rounds: range, tau: Sequence[Operand], before: Sequence[Operand]) -> None:
@@ -440,6 +440,41 @@ def hidden(flag: Flag) -> Flag:
     if isinstance(flag, Symbol):
         flag.graph.estimates.add(flag.place)
     return flag
+
+
+def sign(x: Operand) -> Operand:
+    """1, 0 or -1."""
+    return select(x > 0.0, 1.0, select(x < 0.0, -1.0, 0.0))
+
+
+def ended(mode: Operand, joint: Joint) -> Operand:
+    """The mode that a joint tries first once its own has ended: it sticks, or breaks away as its force held it."""
+    breaks = select(apply("equal", joint.force, 0.0), sign(joint.ahead), -FIRM * sign(joint.force))
+    return select(apply("equal", mode, 0.0), breaks, 0.0)
+
+
+def settled(modes: Sequence[Operand], joints: Sequence[Joint]) -> list[Operand]:
+    """The modes to which the forces at an instant lead joints that rub; the same ones if these can last.
+
+    Where one has come to rest it sticks, first; where others move it on, it slips as they do.  Of those that cannot
+    bear that the one that is farthest beyond rests at its limit, and slips if no others hold it that stick.
+    """
+    far = [
+        select(apply("equal", mode, 0.0), beyond(joint.reserve, joint.force), 0.0)
+        for mode, joint in zip(modes, joints, strict=True)
+    ]
+    worst: Operand = 0.0
+    for x in far:
+        worst = select(x > worst, x, worst)
+    return [_settled(mode, joint, (x > 0.0) & (x >= worst)) for mode, joint, x in zip(modes, joints, far, strict=True)]
+
+
+def _settled(mode: Operand, joint: Joint, over: Flag) -> Operand:
+    """Of one joint; over: it is the one that is farthest beyond its limit."""
+    ahead, rests = sign(joint.ahead), apply("equal", joint.rate, 0.0)
+    stuck = select(apply("equal", ahead, 0.0), select(over, -FIRM * sign(joint.force), 0.0), ahead)
+    slips = select((joint.stuck > 0.5) & rests, FIRM * sign(mode), sign(mode))
+    return select(apply("equal", mode, 0.0), stuck, select(rests & (mode * ahead < 0.0), 0.0, slips))
 
 
 def beyond(limit_left: Operand, force: Operand) -> Operand:

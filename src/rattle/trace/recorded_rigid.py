@@ -37,7 +37,7 @@ from rattle.language.recorded import Flag, Operand, symbol_of
 from rattle.solvers.contacts.gap_search import rate_rounding
 from rattle.solvers.nonsmooth.impact_phases import NEWTON, POISSON
 from rattle.trace.graph import Graph, Symbol, apply, both, select, select_flag, summed
-from rattle.trace.recorded_friction import HIT, KEPT, LASTING, ROUNDS, Free, Pull, RecordedFriction, away
+from rattle.trace.recorded_friction import HIT, KEPT, LASTING, ROUNDS, Free, Pull, RecordedFriction, Shares, away
 from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_modes import SLIGHT, Try, add, first, power, solved
 from rattle.trace.recorded_restitution import Party, along_path, expanded
@@ -47,6 +47,7 @@ SLOTS, SMOOTH_SLOTS = 2, 3  # contacts that take part at one instant, with frict
 OPEN, SHUT, HITS, DECIDES = 0.0, 1.0, 2.0, 3.0
 OFF, STICKS, FORWARD, BACKWARD = range(4)  # modes
 ROUNDED = 1e-13  # share of the terms of an acceleration that is rounding
+SOLVED = 1e-6  # share of b by which equations may be missed
 FIXED = 1e-11  # share of G without joints that G is where these fix a gap or a slip
 
 
@@ -103,7 +104,7 @@ class _Solution(NamedTuple):
 
     forces: list[list[Operand]]  # N and T of each slot
     rubbing: list[Operand]  # forces of joints that rub
-    found: Flag
+    converged: Flag
     problem: _Problem  # with the friction of joints in it
 
 
@@ -158,9 +159,9 @@ class RigidContacts:
         for place in np.ndindex(result.shape):
             value: Operand = 0.0
             for flag, array in zip(chosen.values(), arrays, strict=True):
-                one: Any = array[place]
-                if isinstance(one, Symbol) or one != 0.0:
-                    value = select(flag, one, value)
+                entry: Any = array[place]
+                if isinstance(entry, Symbol) or entry != 0.0:
+                    value = select(flag, entry, value)
             result[place] = value
         return result
 
@@ -212,11 +213,11 @@ class RigidContacts:
         they lose."""
         slots, _ = self._slots(m, self.shut)
         free = m.without_contacts = self._without(m)
-        found = self._in_modes(m, slots, self._right(slots, free.normal, free.tangent), free.joints, LASTING)
-        forces = found.forces
+        solution = self._in_modes(m, slots, self._right(slots, free.normal, free.tangent), free.joints, LASTING)
+        forces = solution.forces
         if self.rubbing is not None:
-            self._copies.of(assume.python)(found.found)
-            self.rubbing.spread(m, found.rubbing)
+            self._copies.of(assume.python)(solution.converged)
+            self.rubbing.spread(m, solution.rubbing)
             self.rubbing.off = self._off(m, slots)
         for target, what in ((m.acceleration, "away"), (m.multiplier, "reaction")):
             before = target.copy()
@@ -265,26 +266,27 @@ class RigidContacts:
         pulls = self._pulls(m, slots)
         tau: list[Operand] = [0.0] * len(joints.rates)
         f: list[list[Operand]] = [[0.0] * w for _ in slots]
-        found: Flag = True
+        converged: Flag = True
         for _ in range(1 if what == KEPT else ROUNDS):  # it is linear
             shares = self.rubbing.shares(m, joints, pulls, tau, [x for pair in f for x in pair], what)
-            rows = [
-                [x + summed(c * by[s] for c, by in zip(pull.rates, shares.by, strict=True)) for s, x in enumerate(row)]
-                for pull, row in zip(pulls, g, strict=True)
-            ]
-            alone = [summed(c * x for c, x in zip(pull.rates, shares.alone, strict=True)) for pull in pulls]
-            problem = _Problem(
-                rows,
-                [
-                    (a - alone[w * k], b - alone[w * k + 1] if self.rough else 0.0)
-                    for k, (a, b) in enumerate(right)
-                ],
-                [abs(a) for a, _ in right],
-                [rows[r][r] > DEPENDENT * g[r][r] for r in range(len(g))],
-            )  # fmt: skip
+            problem = self._with_shares(g, right, pulls, shares)
             f = forces(problem)
-            tau, found = self.rubbing.improved(shares, [x for pair in f for x in pair], tau)
-        return _Solution(f, tau, found, problem)
+            tau, converged = self.rubbing.improved(shares, [x for pair in f for x in pair], tau)
+        return _Solution(f, tau, converged, problem)
+
+    def _with_shares(
+        self, g: list[list[Operand]], right: list[tuple[Operand, Operand]], pulls: list[Pull], shares: Shares
+    ) -> _Problem:
+        """The equations with the friction of joints, linear in the forces, in them."""
+        w = self.width
+        rows = [
+            [x + summed(c * by[s] for c, by in zip(pull.rates, shares.by, strict=True)) for s, x in enumerate(row)]
+            for pull, row in zip(pulls, g, strict=True)
+        ]
+        alone = [summed(c * x for c, x in zip(pull.rates, shares.alone, strict=True)) for pull in pulls]
+        known = [(a - alone[w * k], b - alone[w * k + 1] if self.rough else 0.0) for k, (a, b) in enumerate(right)]
+        loose = [row[r] > DEPENDENT * g[r][r] for r, row in enumerate(rows)]
+        return _Problem(rows, known, [abs(a) for a, _ in right], loose)
 
     def _pulls(self, m: SimpleNamespace, slots: list[_Slot]) -> list[Pull]:
         """What unit forces N, T of each slot in turn do to joints that rub."""
@@ -402,22 +404,28 @@ class RigidContacts:
         if law == NEWTON or (len(self.numbers) == 1 and not self.rough):  # then all laws are one
             f, rubs, met, _ = self._tried(m, slots, [self._before(m, slot, rate, slip) for slot in slots], joints, HIT)
             return f, rubs or none, met
+        f, met = self._in_phases(m, slots, rate, slip, law == POISSON)
+        return f, none, met
+
+    def _in_phases(
+        self, m: SimpleNamespace, slots: list[_Slot], rate: dict[int, Operand], slip: dict[int, Operand], poisson: bool
+    ) -> tuple[list[list[Operand]], Flag]:
+        """As `_impulses`, of an impact in which expansion follows compression, after Poisson or by its energy."""
         e, mu = (self._of(m, field) for field in (at.RESTITUTION, at.MU))
         parties = [Party(slot.taken, slot.loose, slot.of(mu), slot.of(e)) for slot in slots]
         rates = [x for slot in slots for x in (slot.of(rate), slot.of(slip))[: self.width]]
         g = self._matrix(slots)
-        if law == POISSON:
-            pairs = [(-slot.of(rate), -slot.of(slip)) for slot in slots]
-            f, _, met, _ = self._tried(m, slots, pairs, None, HIT)
+        if poisson:
+            f, _, met, _ = self._tried(m, slots, [(-slot.of(rate), -slot.of(slip)) for slot in slots], None, HIT)
             f, expands = expanded(self.graph, g, parties, f, rates)
-            return f, none, met & expands
+            return f, met & expands
         struck: list[Operand] = [-(1.0 + parties[0].restitution) * rates[0] / g[0][0]]
         met = True
         if self.rough:
             struck, met = along_path(g, parties[0], rates[0], rates[1])
         for other in slots[1:]:
             met = met & apply("not", other.taken)
-        return [struck, *(list[Operand]([0.0] * self.width) for _ in slots[1:])], none, met
+        return [struck, *(list[Operand]([0.0] * self.width) for _ in slots[1:])], met
 
     def _before(
         self, m: SimpleNamespace, slot: _Slot, rate: dict[int, Operand], slip: dict[int, Operand]
@@ -449,15 +457,15 @@ class RigidContacts:
         tries = []
         for combination in itertools.product(options, repeat=len(slots)):
             formula = functools.partial(self._forces, mus, combination)
-            f, rubs, found, problem = self._solved(m, slots, right, joints, what, formula)
-            flags = [found, *self._conditions(problem, slots, mus, slides, combination, f, lasting)]
+            f, rubs, converged, problem = self._solved(m, slots, right, joints, what, formula)
+            flags = [converged, *self._conditions(problem, slots, mus, slides, combination, f, lasting)]
             flat = [x for pair in f for x in pair]
             gains = [summed(x * y for x, y in zip(row, flat, strict=True)) for row in g]
             for r, pull in enumerate(pulls):
                 gains[r] = gains[r] + summed(c * x for c, x in zip(pull.rates, rubs, strict=True))
             tries.append(Try((*combination, OFF), [*f, rubs], gains, both(self.graph, flags)))
-        forces, one, modes = first(tries)
-        return forces[:-1], forces[-1], one, modes[:-1]
+        forces, unique, modes = first(tries)
+        return forces[:-1], forces[-1], unique, modes[:-1]
 
     def _forces(self, mus: list[Operand], combination: Sequence[int], problem: _Problem) -> list[list[Operand]]:
         """N and T of each slot in these modes."""
@@ -490,25 +498,31 @@ class RigidContacts:
         self, problem: _Problem, slots: list[_Slot], mus: list[Operand], slides: list[Operand],
         combination: Sequence[int], f: list[list[Operand]], lasting: bool,
     ) -> list[Flag]:  # fmt: skip
-        g, right, flat, w = problem.g, problem.right, [x for pair in f for x in pair], self.width
+        flat, w = [x for pair in f for x in pair], self.width
+        right = [x for pair in problem.right for x in pair[:w]]
+        after = [
+            summed(x * y for x, y in zip(row, flat, strict=True)) - b for row, b in zip(problem.g, right, strict=True)
+        ]
+        close = SOLVED * summed(
+            abs(b) for b in right
+        )  # equations of a bar that leans on a wall may contradict each other
         flags: list[Flag] = []
         for k, mode in enumerate(combination):
             if mode == OFF:
-                gains = summed(x * y for x, y in zip(g[w * k], flat, strict=True)) - right[k][0]
-                flags.append((gains >= -SLIGHT * problem.size[k]) | apply("not", slots[k].taken))
+                flags.append((after[w * k] >= -SLIGHT * problem.size[k]) | apply("not", slots[k].taken))
                 continue
             flags += [slots[k].taken, slots[k].loose[0], problem.loose[w * k], f[k][0] >= 0.0]
+            flags.append(abs(after[w * k]) <= close)
             if not self.rough:
                 continue
             if mode == STICKS:
                 held = slots[k].loose[1] & problem.loose[w * k + 1]
-                flags += [abs(f[k][1]) <= (1.0 + SLIGHT) * mus[k] * f[k][0], held]
+                flags += [abs(f[k][1]) <= (1.0 + SLIGHT) * mus[k] * f[k][0], held, abs(after[w * k + 1]) <= close]
                 if lasting:
                     flags.append(apply("equal", slides[k], 0.0))
                 continue
             sense = 1.0 if mode == FORWARD else -1.0
-            slips = summed(x * y for x, y in zip(g[w * k + 1], flat, strict=True)) - right[k][1]
-            away = sense * slips >= 0.0
+            away = sense * after[w * k + 1] >= 0.0
             if lasting:
                 slipped = apply("not", apply("equal", slides[k], 0.0))
                 away = select_flag(slipped, sense * slides[k] > 0.0, away)

@@ -213,15 +213,15 @@ class Recording:
         """What drivers prescribe at t [s], and gravity that is a function of time."""
         values = workspace.values
         self._recorder.recorded(motion.drive.python)(workspace, t)
-        found = []
+        prescribed = []
         for row in workspace.jet:
             k = row[at.TARGET]
             travels = row[at.TRAVEL] >= 0
-            found.append(Driven(0.0 if travels else values[k], values[k + 1], values[k + 2]))
+            prescribed.append(Driven(0.0 if travels else values[k], values[k + 1], values[k + 2]))
         if len(workspace.falling):
             self._recorder.recorded(motion.fall.python)(workspace, t)
-            found += [Driven(values[row[at.TARGET]]) for row in workspace.falling]
-        return found
+            prescribed += [Driven(values[row[at.TARGET]]) for row in workspace.falling]
+        return prescribed
 
     def projection(self, t: Operand, y: np.ndarray) -> list[Operand]:
         """y brought onto the constraints, (ny,): two corrections of positions and one of rates.

@@ -35,7 +35,7 @@ from rattle.results.columns import columns, width
 from rattle.results.result import UnknownName
 from rattle.solvers.output_row import record
 from rattle.trace.elementary import lower
-from rattle.trace.graph import Graph, both, select
+from rattle.trace.graph import Graph, Symbol, both, select
 from rattle.trace.recorded_contacts import Impact, RecordedContacts
 from rattle.trace.recorded_friction import Joint
 from rattle.trace.recorded_rigid import Struck
@@ -187,18 +187,12 @@ def record_model(
     t = graph.input()
     y = np.array([graph.input() for _ in range(state_layout(system).size)], dtype=object)
     inputs = [graph.input() for _ in names]
-    chosen = {
-        name: functools.partial(recorder.number, symbol=symbol) for name, symbol in zip(names, inputs, strict=True)
-    }
-    recorded = compile_system(_counting(read(document, chosen=chosen), system, recorder)) if names else system
-    _require_known_states(recorded)
+    recorded = _with_inputs(document, system, recorder, dict(zip(names, inputs, strict=True))) if names else system
     recorder.record_friction(recorded, lanes or contacts, contacts and not lanes)
     met = recorder.record_contacts(recorded, lanes) if contacts else None
-    if met is not None and not met.inputs:  # nothing begins, ends, or switches
-        met = None
     recording = Recording(recorded, recorder)
     rate, sound_rate = recording.guarded(lambda: recording.derivative(t, y))
-    touching = _record_contacts(recording, recorder, met, t, y, rate if lanes else None) if met is not None else None
+    touching = _record_contacts(recording, recorder, met, t, y, rate if lanes else None)
     closed, sound_closed = recording.guarded(lambda: recording.projection(t, y))
     curves, units, sound_row = record_curves(recording, t, y)
     curves["energy.balance"] = curves["energy.balance"] - graph.input()
@@ -216,11 +210,21 @@ def record_model(
     return model
 
 
+def _with_inputs(document: Tree, system: System, recorder: Recorder, inputs: Mapping[str, Symbol]) -> System:
+    """The system whose numbers follow from inputs of the graph, by the name of their parameters.  Raises TraceError."""
+    chosen = {name: functools.partial(recorder.number, symbol=symbol) for name, symbol in inputs.items()}
+    recorded = compile_system(_counting(read(document, chosen=chosen), system, recorder))
+    _require_known_states(recorded)
+    return recorded
+
+
 def _record_contacts(
-    recording: Recording, recorder: Recorder, met: RecordedContacts, t: Operand, y: np.ndarray,
+    recording: Recording, recorder: Recorder, met: RecordedContacts | None, t: Operand, y: np.ndarray,
     rate: Sequence[Operand] | None,
-) -> ContactFunctions:  # fmt: skip
-    """Gaps, forces and impacts of contacts; rate: dy/dt (ny,) for lanes."""
+) -> ContactFunctions | None:  # fmt: skip
+    """Gaps, forces and impacts of contacts; rate: dy/dt (ny,) for lanes.  None if nothing begins, ends or switches."""
+    if met is None or not met.inputs:
+        return None
 
     def measured() -> tuple[SimpleNamespace, dict[int, list[Impact]], HeldFunctions | None, list[Operand]]:
         workspace = recording.run(derivative, t, y, np.zeros(len(y), dtype=object))

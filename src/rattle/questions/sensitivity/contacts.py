@@ -116,7 +116,7 @@ class ContactMotion(Motion):
         closes = (after.gap < 0.0) & ((before.gap > 0.0) | deeper)
         closes |= (after.gap == 0.0) & (before.gap > 0.0) & (after.rate < 0.0)
         if touching.rubbing is not None and before.rubbed is not None and after.rubbed is not None:
-            rests = (before.rubbed.rate == 0.0) & (after.rubbed.rate == 0.0) & (touching.rubbing.modes != 0.0)
+            rests = before.rubbed.rests & after.rubbed.rests & (touching.rubbing.modes != 0.0)
             closes[touching.contacts :] &= ~rests  # others hold it: its rate is rounding
         begins = ~touching.shut & ~touching.released & closes
         opens = touching.shut & ~by_force & (after.gap > 0.0) & ((before.gap < 0.0) | (after.rate > 0.0))
@@ -331,7 +331,8 @@ class ContactMotion(Motion):
         self._rates = self.functions.rates(self.t, self.z)
         self._seen = self._look(self.t, self.z, self._rates)
         if self._rates.sound and self._seen.rubbed is not None:
-            self._rub(np.sign(self._seen.rubbed.rate), np.zeros(self.z.shape[1] - 1))
+            rates = np.array([joint.rate for joint in self._seen.rubbed.joints])
+            self._rub(np.sign(rates), np.zeros(self.z.shape[1] - 1))
             self._limit_steps()
 
     def _rub(self, modes: np.ndarray, shift: np.ndarray) -> None:
