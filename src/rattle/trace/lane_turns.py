@@ -397,10 +397,10 @@ class Meeting:
         joint, mode = n - self.meets.n, self.touch.speed[n]
         moved = sign(self.ends.held["slip"][self.meets.held.index(n)])
         long, some = self.touch.lane["tried"] >= MOST_CHANGES, self._some_mode(joint)
-        at_rest = select(apply("equal", moved, 0.0), some, mode)
+        other = select(apply("equal", moved, 0.0), some, moved)
         kept = select(self._comes_to_rest(n), 0.0, mode)
-        settles = select(unsettled & long, at_rest, settles)
-        settles = select(self.decides, select(self.some, kept, at_rest), settles)
+        settles = select(unsettled & long, other, settles)
+        settles = select(self.decides, select(self.some, kept, other), settles)
         tried = select(long | apply("not", self.some), some, self.struck.rubs[joint])
         return select(self.hits, select(self.agreed, moved, tried), settles)
 

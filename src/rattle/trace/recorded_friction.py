@@ -474,7 +474,8 @@ def _settled(mode: Operand, joint: Joint, over: Flag) -> Operand:
     ahead, rests = sign(joint.ahead), apply("equal", joint.rate, 0.0)
     stuck = select(apply("equal", ahead, 0.0), select(over, -FIRM * sign(joint.force), 0.0), ahead)
     slips = select((joint.stuck > 0.5) & rests, FIRM * sign(mode), sign(mode))
-    return select(apply("equal", mode, 0.0), stuck, select(rests & (mode * ahead < 0.0), 0.0, slips))
+    back = (mode * joint.rate <= 0.0) & (mode * ahead < 0.0)  # it may have just passed its rest
+    return select(apply("equal", mode, 0.0), stuck, select(back, 0.0, slips))
 
 
 def beyond(limit_left: Operand, force: Operand) -> Operand:

@@ -95,7 +95,7 @@ class _Problem(NamedTuple):
 
     g: list[list[Operand]]
     right: list[tuple[Operand, Operand]]  # -b
-    size: list[Operand]  # of b of N, without friction of joints
+    size: list[Operand]  # of b by row, without friction of joints
     loose: list[Flag]  # by row: joints that stick leave something of it
 
 
@@ -261,7 +261,7 @@ class RigidContacts:
         """Forces by a formula for given modes, beside joints that rub; right: -b without them."""
         g, w = self._matrix(slots), self.width
         if self.rubbing is None or joints is None:
-            problem = _Problem(g, right, [abs(a) for a, _ in right], [True] * len(g))
+            problem = _Problem(g, right, [abs(b) for pair in right for b in pair[: self.width]], [True] * len(g))
             return _Solution(forces(problem), [], True, problem)
         pulls = self._pulls(m, slots)
         tau: list[Operand] = [0.0] * len(joints.rates)
@@ -286,7 +286,7 @@ class RigidContacts:
         alone = [summed(c * x for c, x in zip(pull.rates, shares.alone, strict=True)) for pull in pulls]
         known = [(a - alone[w * k], b - alone[w * k + 1] if self.rough else 0.0) for k, (a, b) in enumerate(right)]
         loose = [row[r] > DEPENDENT * g[r][r] for r, row in enumerate(rows)]
-        return _Problem(rows, known, [abs(a) for a, _ in right], loose)
+        return _Problem(rows, known, [abs(b) for pair in right for b in pair[: self.width]], loose)
 
     def _pulls(self, m: SimpleNamespace, slots: list[_Slot]) -> list[Pull]:
         """What unit forces N, T of each slot in turn do to joints that rub."""
@@ -509,7 +509,7 @@ class RigidContacts:
         flags: list[Flag] = []
         for k, mode in enumerate(combination):
             if mode == OFF:
-                flags.append((after[w * k] >= -SLIGHT * problem.size[k]) | apply("not", slots[k].taken))
+                flags.append((after[w * k] >= -SLIGHT * problem.size[w * k]) | apply("not", slots[k].taken))
                 continue
             flags += [slots[k].taken, slots[k].loose[0], problem.loose[w * k], f[k][0] >= 0.0]
             flags.append(abs(after[w * k]) <= close)
