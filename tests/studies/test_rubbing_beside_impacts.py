@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
-from lane_runs import FINE, assert_alike, side_by_side
+from lane_runs import FINE, alone, assert_alike, side_by_side
 
 G = 9.81
 COULOMB = '{ model = "coulomb", mu = "mu" }'
@@ -184,3 +184,59 @@ initial = { one = { angle = 0, omega = 2 }, two = { angle = 0, omega = 1 } }
 """)
     found = m.many({"mu": [0.1]}, t_end=0.01, outputs=["final(two.angle)"])
     assert "a clutch (joint way) beside joints that rub does not run side by side" in found.stats["how"]
+
+
+def two_bars(one, two, height, pins, stop, floor, push, angle=0.0):
+    """That hang from each other over a floor; the second one turns against a stop.  one, two: masses and inertias;
+    pins: friction of both."""
+    return f"""
+format = 1
+gravity = [0, -9.81]
+parameters = {{ mu = 0.2, w = 0.0 }}
+ground.points = {{ O = [0, 0], F = [0, {height}] }}
+bodies.one = {{ points = {{ O = [0, 0], A = [0.2, 0] }}, center = [0.1, 0], mass = {one[0]}, inertia = {one[1]} }}
+bodies.two = {{ points = {{ A = [0, 0], E = [0.2, 0] }}, center = [0.1, 0], mass = {two[0]}, inertia = {two[1]} }}
+loads.push = {{ type = "torque", body = "one", torque = "{push}" }}
+initial = {{ one = {{ angle = {angle}, omega = "w" }}, two = {{ angle = 0, omega = 0 }} }}
+[joints.p]
+type = "revolute"
+connect = ["ground.O", "one.O"]
+{pins[0]}
+[joints.q]
+type = "revolute"
+connect = ["one.A", "two.A"]
+{pins[1]}
+stop = {{ {stop} }}
+[joints.floor]
+type = "surface"
+connect = ["ground.F", "two.E"]
+axis = 0
+contact = {{ model = "impact", {floor} }}
+"""
+
+
+def test_a_bar_that_leans_on_a_rough_floor_has_no_impulses_of_a_stick_that_contradict_each_other():
+    """Stretched out, both bars are one with a single freedom: what sticks there keeps two rates by one impulse."""
+    text = two_bars(
+        (1, 0.0005), (1, 0.005), -0.3, ("", 'friction = { torque = "0.5*mu" }'),
+        'min = -0.5, max = 1.5, contact = { model = "impact", restitution = 0 }',
+        'restitution = 0.8, friction = { model = "coulomb", mu = 1 }', "1",
+    )  # fmt: skip
+    m, samples = rt.loads(text), {"mu": [0.4385, 0.5], "w": [0.0, 0.0]}
+    outputs = ["final(one.angle)", "final(two.angle)", LOST]
+    found = m.many(samples, t_end=0.3, outputs=outputs, **FINE)
+    single = alone(m, samples, outputs, 0.3, **FINE)
+    assert np.array([found[output] for output in outputs]) == pytest.approx(single, rel=1e-7)
+    assert (found[LOST] > 0.0).all()
+
+
+def test_a_stop_at_which_a_joint_sticks_takes_part_in_impacts():
+    """Its friction holds it there, so that the stop bears nothing until the floor is hit."""
+    rubs = 'friction = {{ model = "coulomb", mu = "mu", mu_static = "{}*mu", pin_radius = "{} mm" }}'
+    text = two_bars(
+        (1, 0.005), (0.05, 0.0005), -0.25, (rubs.format(1.5, 2), rubs.format(1.3, 20)),
+        'min = -1.5, max = 0.5, contact = { model = "impact", restitution = 1 }', "restitution = 0",
+        "0.3*t*sin(30*t)", angle=-0.5,
+    )  # fmt: skip
+    samples = {"mu": np.array([0.4293, 0.45]), "w": np.array([-0.352, -0.352])}
+    assert_alike(rt.loads(text), samples, ["final(one.angle)", "final(two.angle)", LOST], 0.3, rel=1e-6, abs=1e-9)

@@ -480,7 +480,11 @@ class RigidContacts:
                 else g[w * k + r][w * j + s]
                 for j, s in unknown
             ]
-            rows.append([*row, right[k][r]])
+            loose = problem.loose[w * k + r]  # what joints hold bears nothing, and stays shut
+            own = [1.0 if place == (k, r) else 0.0 for place in unknown]
+            rows.append(
+                [*(select(loose, x, y) for x, y in zip(row, own, strict=True)), select(loose, right[k][r], 0.0)]
+            )
         solution = dict(zip(unknown, solved(rows), strict=True))
         f = []
         for k, mode in enumerate(combination):
@@ -511,13 +515,12 @@ class RigidContacts:
             if mode == OFF:
                 flags.append((after[w * k] >= -SLIGHT * problem.size[w * k]) | apply("not", slots[k].taken))
                 continue
-            flags += [slots[k].taken, slots[k].loose[0], problem.loose[w * k], f[k][0] >= 0.0]
-            flags.append(abs(after[w * k]) <= close)
+            flags += [slots[k].taken, slots[k].loose[0], f[k][0] >= 0.0, abs(after[w * k]) <= close]
             if not self.rough:
                 continue
             if mode == STICKS:
-                held = slots[k].loose[1] & problem.loose[w * k + 1]
-                flags += [abs(f[k][1]) <= (1.0 + SLIGHT) * mus[k] * f[k][0], held, abs(after[w * k + 1]) <= close]
+                flags += [abs(f[k][1]) <= (1.0 + SLIGHT) * mus[k] * f[k][0], slots[k].loose[1]]
+                flags.append(abs(after[w * k + 1]) <= close)
                 if lasting:
                     flags.append(apply("equal", slides[k], 0.0))
                 continue
