@@ -5,6 +5,7 @@ import pytest
 
 import rattle as rt
 from lane_runs import FINE, alone, assert_alike, side_by_side
+from rubbing import block
 
 G = 9.81
 COULOMB = '{ model = "coulomb", mu = "mu" }'
@@ -15,25 +16,10 @@ PIN = '{ model = "coulomb", mu = "mu", pin_radius = "10 mm" }'
 LOST = "final(energy.dissipated)"
 
 
-def block(friction, push="0", restitution=0.5):
-    """On a rail between two stops."""
-    return f"""
-format = 1
-gravity = [0, -9.81]
-parameters = {{ mu = 0.2, v = 1.0 }}
-ground.points.O = [0, 0]
-bodies.block = {{ points = {{ C = [0, 0] }}, mass = 2, inertia = 1 }}
-loads.push = {{ type = "force", at = "block.C", force = ["{push}", 0] }}
-[joints.rail]
-type = "prismatic"
-connect = ["ground.O", "block.C"]
-axis = 0
-friction = {friction}
-stop = {{ min = -0.1, max = 0.2, contact = {{ model = "impact", restitution = {restitution} }} }}
-[initial.block]
-x = 0
-vx = "v"
-"""
+def between_stops(friction, push="0", restitution=0.5, x=0):
+    """A block on a rail."""
+    contact = f'{{ model = "impact", restitution = {restitution} }}'
+    return block(friction, push, f"stop = {{ min = -0.1, max = 0.2, contact = {contact} }}", x)
 
 
 def slider_crank(motion, bush, *, guide=COULOMB, pins="", law="newton"):
@@ -82,7 +68,9 @@ DEAD_BUSH = 'restitution = 0, bush_radius = "10 mm", friction = { model = "coulo
 def test_a_block_that_rubs_rebounds_from_a_stop_and_comes_to_rest(friction):
     mu, v = np.array([0.3, 0.2, 0.25, 0.3]), np.array([2.0, 1.5, 1.8, 0.5])
     outputs = ["final(block.x)", LOST, "final(block.vx)", "count(rail.contacts)", "speed(rail.contacts, 1)"]
-    _, (x, lost, rate, hits, speed) = side_by_side(rt.loads(block(friction)), {"mu": mu, "v": v}, outputs, 3.0, **FINE)
+    _, (x, lost, rate, hits, speed) = side_by_side(
+        rt.loads(between_stops(friction)), {"mu": mu, "v": v}, outputs, 3.0, **FINE
+    )
     left = v**2 - 0.4 * mu * G  # square of the speed at the stop
     reaches = left > 0.0
     back = 0.2 - 0.25 * left / (2.0 * mu * G)
@@ -97,7 +85,7 @@ def test_a_block_that_rubs_rebounds_from_a_stop_and_comes_to_rest(friction):
 def test_a_block_pressed_against_a_stop_leaves_it_where_its_friction_gives_way():
     """Pulled back as 10 (1 - t) N falls below zero, it moves from -mu_static m g on."""
     mu = np.array([0.2, 0.35])
-    text = block(HOLDS, push="10*(1 - t)", restitution=0).replace("\nx = 0", "\nx = 0.2")
+    text = between_stops(HOLDS, push="10*(1 - t)", restitution=0, x=0.2)
     samples = {"mu": mu, "v": np.zeros(2)}
     outputs = ["final(block.x)", "first(block.vx < -1e-9)", "final(block.vx)"]
     _, (x, t, v) = side_by_side(rt.loads(text), samples, outputs, 2.0, **FINE)
@@ -127,7 +115,7 @@ def test_blocks_between_stops_are_what_they_are_alone(name):
     friction, push, restitution = BLOCKS[name]
     samples = {"mu": np.array([0.2, 0.3]), "v": np.array([1.2, 2.9])}
     outputs = ["final(block.x)", LOST, "count(rail.contacts)", "time(rail.contacts, 1)", "time(rail.contacts, 3)"]
-    assert_alike(rt.loads(block(friction, push, restitution)), samples, outputs, 1.0, rel=1e-6, abs=1e-9)
+    assert_alike(rt.loads(between_stops(friction, push, restitution)), samples, outputs, 1.0, rel=1e-6, abs=1e-9)
 
 
 FAST, SLOW, SWINGS = "523*t", "30*t", "0.5*sin(60*t)"

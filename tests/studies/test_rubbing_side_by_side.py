@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 import rattle as rt
 from lane_runs import FINE, assert_alike, side_by_side
+from rubbing import slider_crank as with_friction
 
 G = 9.81
 COULOMB = '{ model = "coulomb", mu = "mu", pin_radius = "r" }'
@@ -40,28 +41,7 @@ vx = "v"
 def slider_crank(friction, motion="", pin=""):
     """With friction in its pins and its guide; free without a motion."""
     begins = "" if motion else 'crank = { angle = 0.7, omega = "omega" }'
-    return f"""
-format = 1
-gravity = [0, -9.81]
-parameters = {{ mu = 0.1, omega = 20.0, r = 0.01 }}
-{f'drivers.motor = {{ joint = "O", angle = "{motion}" }}' if motion else ""}
-ground.points.O = [0, 0]
-bodies.crank = {{ points = {{ O = [0, 0], A = [0.05, 0] }}, mass = 0.3, inertia = 1e-4 }}
-bodies.rod = {{ bar = ["A", "B"], length = 0.12, mass = 0.21, inertia = 2.5e-4 }}
-bodies.slider = {{ points = {{ B = [0, 0] }}, mass = 0.14, inertia = 1e-4 }}
-[joints]
-O = {{ type = "revolute", connect = ["ground.O", "crank.O"], friction = {friction} }}
-A = {{ type = "revolute", connect = ["crank.A", "rod.A"], friction = {friction} }}
-B = {{ type = "revolute", connect = ["slider.B", "rod.B"], {pin or f"friction = {friction}"} }}
-[joints.guide]
-type = "prismatic"
-connect = ["ground.O", "slider.B"]
-axis = 0
-friction = {{ model = "coulomb", mu = "mu" }}
-[initial]
-rod = {{ angle = -0.1 }}
-{begins}
-"""
+    return with_friction(friction, motion, pin, f"rod = {{ angle = -0.1 }}\n{begins}")
 
 
 def pendulum(friction, second=""):

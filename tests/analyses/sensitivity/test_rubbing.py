@@ -7,55 +7,13 @@ import pytest
 
 import rattle as rt
 from rattle.errors import TraceError
+from rubbing import block, slider_crank
 
 G = 9.81
 PIN = '{ model = "coulomb", mu = "mu", mu_static = "1.4*mu", pin_radius = "r" }'
 
 
-def block(push="0", friction='{ model = "coulomb", mu = "mu", mu_static = "1.5*mu" }', more=""):
-    """On a rail."""
-    return f"""
-format = 1
-gravity = [0, -9.81]
-parameters = {{ mu = 0.2, v = 1.0, F = 10.0 }}
-ground.points.O = [0, 0]
-bodies.block = {{ points = {{ C = [0, 0] }}, mass = 2, inertia = 1 }}
-loads.push = {{ type = "force", at = "block.C", force = ["{push}", 0] }}
-[joints.rail]
-type = "prismatic"
-connect = ["ground.O", "block.C"]
-axis = 0
-friction = {friction}
-{more}
-[initial.block]
-x = 0
-vx = "v"
-"""
-
-
-def slider_crank(begins, motion="", slider="friction = PIN"):
-    """With friction in its pins and its guide."""
-    return f"""
-format = 1
-gravity = [0, -9.81]
-parameters = {{ mu = 0.1, omega = 20.0, r = 0.01 }}
-{f'drivers.motor = {{ joint = "O", angle = "{motion}" }}' if motion else ""}
-ground.points.O = [0, 0]
-bodies.crank = {{ points = {{ O = [0, 0], A = [0.05, 0] }}, mass = 0.3, inertia = 1e-4 }}
-bodies.rod = {{ bar = ["A", "B"], length = 0.12, mass = 0.21, inertia = 2.5e-4 }}
-bodies.slider = {{ points = {{ B = [0, 0] }}, mass = 0.14, inertia = 1e-4 }}
-[joints]
-O = {{ type = "revolute", connect = ["ground.O", "crank.O"], friction = PIN }}
-A = {{ type = "revolute", connect = ["crank.A", "rod.A"], friction = PIN }}
-B = {{ type = "revolute", connect = ["slider.B", "rod.B"], {slider} }}
-[joints.guide]
-type = "prismatic"
-connect = ["ground.O", "slider.B"]
-axis = 0
-friction = {{ model = "coulomb", mu = "mu" }}
-[initial]
-{begins}
-""".replace("PIN", PIN)
+HOLDS = '{ model = "coulomb", mu = "mu", mu_static = "1.5*mu" }'
 
 
 def slopes(found, output):
@@ -85,7 +43,9 @@ def assert_as_beside(m, outputs, t, rel=1e-6, share=1e-5):
 
 # ---------------------------------------------------------------- closed forms
 def test_where_a_block_comes_to_rest():
-    found = rt.loads(block()).sensitivity(["block.x", "block.vx", "rail.friction"], ["mu", "v"], t_eval=[0.0, 0.2, 2.0])
+    found = rt.loads(block(HOLDS)).sensitivity(
+        ["block.x", "block.vx", "rail.friction"], ["mu", "v"], t_eval=[0.0, 0.2, 2.0]
+    )
     mu, v = 0.2, 1.0
     assert slopes(found, "block.x") == pytest.approx(
         np.array([[0.0, 0.0], [-G * 0.02, 0.2], [-(v**2) / (2.0 * mu**2 * G), v / (mu * G)]]), rel=1e-9, abs=1e-12
@@ -99,7 +59,7 @@ def test_where_a_block_comes_to_rest():
 def test_a_block_that_breaks_away_begins_later_and_with_a_jump():
     """Pushed by F t from rest: it slips from t0 = mu_static m g/F on, against mu m g."""
     mu, force, t = 0.2, 10.0, 1.5
-    m = rt.loads(block("F*t")).set(v=0.0)
+    m = rt.loads(block(HOLDS, "F*t")).set(v=0.0)
     found = m.sensitivity(["block.vx", "block.x"], ["mu", "F"], t_eval=[0.3, t])
     begins = 1.5 * mu * 2.0 * G / force
     later, drive = t - begins, 0.5 * mu * G
@@ -147,23 +107,24 @@ initial.one = { angle = 0.4, omega = 0 }
 
 # ---------------------------------------------------------------- as runs beside
 MOTIONS = {
-    "pushed to and fro": (block("F*sin(6*t)"), ["block.x", "block.vx", "energy.dissipated"], 2.0),
+    "pushed to and fro": (block(HOLDS, "F*sin(6*t)"), ["block.x", "block.vx", "energy.dissipated"], 2.0),
     "whose load breaks it loose for a short while": (
-        block("F*sin(9.3*t) - 24.4*block.x"), ["block.x", "block.vx"], 2.0,
+        block(HOLDS, "F*sin(9.3*t) - 24.4*block.x"), ["block.x", "block.vx"], 2.0,
     ),
-    "on a belt": (block("-40*block.x - 0.2*block.vx"), ["block.x", "block.vx"], 3.0),
+    "on a belt": (block(HOLDS, "-40*block.x - 0.2*block.vx"), ["block.x", "block.vx"], 3.0),
     "a crank that comes to rest": (
-        slider_crank('crank = { angle = 0.7, omega = "omega" }'),
+        slider_crank(PIN),
         ["crank.angle", "crank.omega", "guide.friction", "energy.dissipated"], 0.6,
     ),
     "a crank that is driven": (
-        slider_crank("", "0.7 + 0.8*sin(omega*t)"), ["motor.torque", "guide.friction", "O.force"], 0.3,
+        slider_crank(PIN, "0.7 + 0.8*sin(omega*t)"), ["motor.torque", "guide.friction", "O.force"], 0.3,
     ),
     "beside a contact": (
-        slider_crank('crank = { angle = 0.7, omega = "omega" }\nB = { offset = [0, 0] }', slider=(
+        slider_crank(PIN, pin=(
             'clearance = 5e-4, contact = { model = "lankarani-nikravesh", stiffness = 2e8, exponent = 1.5,'
             " restitution = 0.5, bush_radius = 0.01 }"
-        )), ["crank.angle", "guide.friction"], 0.02,
+        ), begins='crank = { angle = 0.7, omega = "omega" }\nB = { offset = [0, 0] }'),
+        ["crank.angle", "guide.friction"], 0.02,
     ),
 }  # fmt: skip
 
@@ -176,7 +137,7 @@ def test_derivatives_are_those_of_runs_beside(name):
 
 
 def test_numbers_of_the_whole_run():
-    m = rt.loads(block("F*sin(6*t)"))
+    m = rt.loads(block(HOLDS, "F*sin(6*t)"))
     outputs = ["max(block.x)", "mean(block.vx)", "rms(block.vx)", "first(block.vx < 0.1)", "max(abs(rail.friction))"]
     found = m.sensitivity(outputs, ["mu", "v"], t_eval=[2.0])
     for output in outputs:
@@ -189,7 +150,7 @@ def test_numbers_of_the_whole_run():
 
 
 def test_tolerances_follow_them():
-    m = rt.loads(block("F*sin(6*t)").replace("mu = 0.2", "mu = { value = 0.2, tol = 0.01 }"))
+    m = rt.loads(block(HOLDS, "F*sin(6*t)").replace("mu = 0.2", "mu = { value = 0.2, tol = 0.01 }"))
     found = m.tolerance("final(block.x)", t_end=2.0, n=16)
     assert found.how == "exact derivatives"
     alone = m.sensitivity(["block.x"], ["mu"], t_eval=[2.0])["d(block.x)/d(mu)"][-1]
@@ -200,4 +161,4 @@ def test_tolerances_follow_them():
 def test_joints_that_rub_beside_rigid_contacts_are_refused_in_words():
     more = 'stop = { min = -0.1, max = 0.2, contact = { model = "impact", restitution = 0.5 } }'
     with pytest.raises(TraceError, match=r"friction of joints beside rigid contacts \(joint rail\) has no derivatives"):
-        rt.loads(block(more=more)).sensitivity(["block.x"], ["mu"], t_eval=[0.1])
+        rt.loads(block(HOLDS, more=more)).sensitivity(["block.x"], ["mu"], t_eval=[0.1])
