@@ -140,6 +140,50 @@ def test_a_block_slides_to_rest_and_sticks():
     assert force == pytest.approx(2 * G, rel=1e-9)
 
 
+def against_a_wall(law="newton"):
+    """The block slides on both corners into a rough wall: three contacts with friction at once."""
+    wall = f"""
+[ground.points]
+O = [0, 0]
+W = [0.5, 0]
+[joints.wall]
+type = "surface"
+connect = ["ground.W", "block.C"]
+axis = "90 deg"
+corners = ["R"]
+contact = {{ model = "impact", restitution = 0, friction = "mu", restitution_law = "{law}" }}
+"""
+    text = block().replace("ground.points.O = [0, 0]\n", "").replace("Q = [0.2, -0.1]", "Q = [0.2, -0.1], R = [0.2, 0]")
+    head, tail = text.replace("restitution = 0, ", f'restitution = 0, restitution_law = "{law}", ').split("[initial]")
+    return rt.loads(head + wall + "[initial]" + tail)
+
+
+def test_a_block_slides_into_a_rough_wall_and_stays():
+    mu, v = np.array([0.3, 0.1, 0.5]), np.array([2.0, 1.0, 3.0])
+    outputs = ["final(block.x)", "final(block.angle)", "final(energy.dissipated)", "time(wall.contacts, 1)"]
+    _, (x, angle, lost, hits) = side_by_side(against_a_wall(), {"mu": mu, "v": v}, outputs, 1.0, **FINE)
+    assert x == pytest.approx(0.3, rel=1e-11)
+    assert angle == pytest.approx(0, abs=1e-11)
+    assert lost == pytest.approx(v**2, rel=1e-9)
+    assert hits == pytest.approx((v - np.sqrt(v**2 - 0.6 * mu * G)) / (mu * G), rel=1e-10)
+
+
+def test_three_contacts_with_friction_after_poisson_run_alone():
+    found = against_a_wall("poisson").many({"v": [2.0]}, t_end=0.3, outputs=["final(block.x)"])
+    assert "three contacts at once" in found.stats["how"]
+    assert found["final(block.x)"] == pytest.approx(0.3, rel=1e-9)
+
+
+def test_pin_and_guide_that_both_rub():
+    play = 'guide = { type = "prismatic", connect = ["ground.O", "slider.B"], axis = 0, clearance = 4e-4,'
+    play += " block = { length = 0.04, height = 0.03 },"
+    play += ' contact = { model = "impact", restitution = 0.3, friction = "mu" } }'
+    text = slider_crank(RIGID, "[initial]\nrod = { angle = 0 }").split("[initial]")[0]
+    text = re.sub("guide = .*", play, text).replace("523.6", "62.8")
+    outputs = ["final(slider.x)", "time(B.contacts, 4)", "time(guide.contacts, 4)"]
+    assert_alike(rt.loads(text), {"mu": np.array([0.05, 0.15, 0.4])}, outputs, 0.03, rel=1e-8, **FINE)
+
+
 def test_a_block_that_is_pushed_begins_to_slide_at_its_limit():
     """F = 10 t N against mu m g: it slides from t_0 = mu m g/10 on."""
     push = '[loads.push]\ntype = "force"\nat = "block.C"\nforce = ["10*t + F", 0]\n'

@@ -116,10 +116,17 @@ class AnalysedModel(WrittenModel):
         return mechanism
 
     def recorded(
-        self, parameters: Sequence[str] = (), *, contacts: bool = False, lanes: bool = True, beside: float = 0.0
+        self,
+        parameters: Sequence[str] = (),
+        *,
+        contacts: bool = False,
+        lanes: bool = True,
+        beside: float = 0.0,
+        crowded: bool = False,
     ) -> RecordedModel:
         """The model as a graph whose inputs are time, state and these parameters; contacts: with them, for lanes or,
-        if not lanes, for derivatives; beside: nearer to singular positions, see `trace.recording.Recorder`.
+        if not lanes, for derivatives; beside: nearer to singular positions, crowded: with more contacts at once, see
+        `trace.recording.Recorder`.
 
         Raises TraceError, with the reason, if it has contacts or cannot be recorded; UnknownName.
         """
@@ -133,6 +140,7 @@ class AnalysedModel(WrittenModel):
             contacts=contacts,
             lanes=contacts and lanes,
             beside=beside,
+            crowded=crowded,
         )
 
     # ------------------------------------------------------------ analyses

@@ -41,6 +41,8 @@ class Status(IntEnum):
     JOLT = 9
     RESTS = 10
     AT_STOP = 11
+    CROWDED = 12
+    TOO_CROWDED = 13
 
     @property
     def words(self) -> str:
@@ -57,7 +59,10 @@ WORDS = {
     Status.ENERGY: "has an energy error above the limit",
     Status.TOO_MANY_STEPS: "takes too many steps",
     Status.STEP_TOO_SMALL: "needs steps that are too short",
-    Status.CONTACTS: "comes to more contacts at once than straight-line code follows, or what turns does not settle",
+    Status.CONTACTS: "comes to contacts, stick or slip that do not settle, or not in one way",
+    Status.CROWDED: "comes to three contacts at once, which with friction in joints or after Poisson only single runs"
+    " follow",
+    Status.TOO_CROWDED: "comes to more contacts at once than straight-line code follows",
     Status.PRESSED: "is pressed into a wall at its start",
     Status.JOLT: "comes to a jump of a driver or its speed, or of gravity, which only single runs follow",
     Status.AT_STOP: "has an expression that jumps just where it ends or is read off: single runs tell what is after it",
@@ -135,6 +140,8 @@ def settle(ledger: Ledger, stops: Stops, adaptive: bool, most_steps: int, meets:
         lane = Lane(running, good, fits, still, control[-1], ahead, planned, kept)
         turned = meeting.turn(proposed, lane)
         reached = select(turned.lost, float(Status.CONTACTS), reached)
+        reached = select(turned.crowded > 0.5, float(Status.CROWDED), reached)
+        reached = select(turned.crowded > 1.5, float(Status.TOO_CROWDED), reached)
         reached = select(turned.rests, float(Status.RESTS), reached)
         reached = select(turned.switched & last, float(Status.AT_STOP), reached)
         reached = select(turned.jolted, float(Status.JOLT), reached)

@@ -45,6 +45,7 @@ class Turned(NamedTuple):
     still: Operand  # 1: no time passes in the next trip
     landing: Operand  # number of tries that were to end at a contact
     lost: Flag  # a flag: the lane does not get on
+    crowded: Operand  # 1, 2: more contacts take part at one instant than it follows, than any lane does
     decided: Flag  # the joints that rub have modes that can last
     switched: Flag  # an expression jumps at the end of its step
     jolted: Flag  # what drives it jumps
@@ -199,7 +200,8 @@ class Meeting:
             ),
             *(values[name] for name in LANE),
         ]  # fmt: skip
-        unsound = flags.running & still & (self.hits | self.decides) & apply("not", self.struck.sound > 0.0)
+        struck = flags.running & still & (self.hits | self.decides)
+        unsound, crowded = struck & apply("equal", self.struck.sound, 0.0), select(struck, -self.struck.sound, 0.0)
         missed_one = flags.good & (met.deep > 0.0)  # see `solvers.contacts.penetration`
         lost = missed_one | (landings > float(MOST_LANDINGS)) | (count > float(MOST_TURNS)) | unsound
         unkept = values["unsound"] > float(MOST_UNSOUND)
@@ -209,8 +211,9 @@ class Meeting:
         switched = flags.good & apply("not", still) & self._jumps_now(still)
         jolted, rests = flags.good & self._jolts(still), flags.good & self._rests_on_jumps()
         return Turned(
-            state, ahead, one(turns | (flags.good & waits)), landings, lost, decided, switched, jolted, rests, unkept
-        )
+            state, ahead, one(turns | (flags.good & waits)), landings, lost, crowded, decided, switched, jolted, rests,
+            unkept,
+        )  # fmt: skip
 
     def _held(self, still: Flag) -> list[tuple[list[Operand], list[Operand]]]:
         """HELD_STARTS of the next step, and those of this one."""

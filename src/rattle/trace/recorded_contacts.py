@@ -24,13 +24,13 @@ from rattle.jit.choices import assume
 from rattle.language.recorded import Flag, Operand, Recorded, bare, symbol_of
 from rattle.solvers.contacts.contact_events import GAUSS, WEIGHTS, push
 from rattle.solvers.contacts.gap_search import rate_rounding
-from rattle.solvers.nonsmooth.impact_phases import LZB, NEWTON
+from rattle.solvers.nonsmooth.impact_phases import LZB, NEWTON, POISSON
 from rattle.trace.graph import Graph, Symbol, apply, both, select, summed
 from rattle.trace.known_signs import SHALLOW, Depth, Gap, positive
 from rattle.trace.recorded_friction import RecordedFriction
 from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_modes import power
-from rattle.trace.recorded_rigid import SHUT, RigidContacts, Struck
+from rattle.trace.recorded_rigid import SHUT, SLOTS, RigidContacts, Struck
 from rattle.trace.recorded_switches import RecordedSwitches
 from rattle.value_types import Plain
 
@@ -62,10 +62,11 @@ class RecordedContacts:
 
     def __init__(
         self, graph: Graph, system: System, lanes: bool, friction: RecordedFriction | None,
-        switches: RecordedSwitches | None,
+        switches: RecordedSwitches | None, crowded: bool,
     ) -> None:  # fmt: skip
         """lanes: rigid contacts may stay shut together, with friction; else, for derivatives, one at a time without;
-        friction: that of joints without play, whose modes become inputs; switches: of expressions, whose sides do.
+        friction: that of joints without play, whose modes become inputs; switches: of expressions, whose sides do;
+        crowded: more rigid contacts with friction at one instant, see `recorded_rigid`.
 
         Raises TraceError for a contact that cannot be recorded so.
         """
@@ -79,8 +80,11 @@ class RecordedContacts:
         # they end where their force does, not their gap
         self.by_force = (self.table[:, at.BY_FORCE] == 1) | self.rigid | (self.table[:, at.LEVEL] == 1)
         self.scale = [bare(x) for x in system.arrays["lever"][:, at.GAP_SCALE]]  # sizes of gaps [m or rad]
+        simple = friction is None and not any(_is(values[p + at.RESTITUTION_LAW], POISSON) for p in places[self.rigid])
+        # whether rigid ones can be crowded: impacts in two phases, and joints that rub, make too much of each mode
+        self.may_crowd = lanes and simple and self.rigid.sum() > SLOTS and bool((self.rigid & ~self.lasts).any())
         alone = self.rigid.sum() == 1 and smooth[int(np.flatnonzero(self.rigid)[0])]  # then all laws are one
-        self.rubbing, self.switches = friction, switches
+        self.rubbing, self.switches, self._crowded = friction, switches, crowded
         for n in range(len(self.joints)):
             self._require_able(n, values, alone)
         self._take_inputs()
@@ -163,7 +167,7 @@ class RecordedContacts:
         self._rigid = [
             RigidContacts(
                 self.graph, copies, self.table, numbers, self.shut, self.speed, self.is_shut,
-                not all(self.lasts[numbers]), self.rubbing,
+                not all(self.lasts[numbers]), self._crowded, self.rubbing,
             )
             for numbers in together if numbers
         ]  # fmt: skip

@@ -35,18 +35,18 @@ from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.language.recorded import Flag, Operand, symbol_of
 from rattle.solvers.contacts.gap_search import rate_rounding
-from rattle.solvers.nonsmooth.impact_phases import NEWTON, POISSON
+from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, NEWTON, POISSON
 from rattle.trace.graph import Graph, Symbol, apply, both, select, select_flag, summed
 from rattle.trace.recorded_friction import HIT, KEPT, LASTING, ROUNDS, Free, Pull, RecordedFriction, Shares, away
 from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_modes import SLIGHT, Try, add, first, power, solved
 from rattle.trace.recorded_restitution import Party, along_path, expanded
 
-SLOTS, SMOOTH_SLOTS = 2, 3  # contacts that take part at one instant, with friction and without
+SLOTS, MOST_SLOTS = 2, 3  # contacts that take part at one instant, with friction; most without, or if it is crowded
 # what a contact is: its state as an input of the graph; HITS: what is shut beside a contact that hits, too
 OPEN, SHUT, HITS, DECIDES = 0.0, 1.0, 2.0, 3.0
 OFF, STICKS, FORWARD, BACKWARD = range(4)  # modes
-ROUNDED = 1e-13  # share of the terms of an acceleration that is rounding
+ROUNDED = 1e-13  # share of the terms of a rate or an acceleration that is rounding
 SOLVED = 1e-6  # share of b by which equations may be missed
 FIXED = 1e-11  # share of G without joints that G is where these fix a gap or a slip
 
@@ -58,7 +58,7 @@ class Struck(NamedTuple):
     shut: dict[int, Operand]  # by contact: 1 if it is shut from then on, 0
     slide: dict[int, Operand]  # and the sense of its slip, 0: none
     impulse: dict[int, Operand]  # [N s or N m s]
-    sound: Flag  # a flag: there is one solution
+    sound: Operand  # 1: there is one solution; 0; -1, -2: more contacts take part than SLOTS, than MOST_SLOTS
     rubs: list[Operand]  # modes of joints that rub to be tried next in an impact
     free: list[Flag]  # they may have any
     agreed: Operand  # 1; 0: the joints disagree with the impulses; -1: there are none in their modes, or no forces
@@ -118,20 +118,21 @@ class RigidContacts:
 
     def __init__(
         self, graph: Graph, copies: Copies, table: np.ndarray, numbers: Sequence[int], shut: Sequence[Operand],
-        slide: Sequence[Operand], is_shut: Sequence[Flag], rough: bool, rubbing: RecordedFriction | None,
+        slide: Sequence[Operand], is_shut: Sequence[Flag], rough: bool, crowded: bool,
+        rubbing: RecordedFriction | None,
     ) -> None:  # fmt: skip
-        """numbers: which contacts of the table; shut, slide, is_shut: of all; rough: some may have friction; rubbing:
-        friction of joints."""
+        """numbers: which contacts of the table; shut, slide, is_shut: of all; rough: some may have friction; crowded:
+        MOST_SLOTS of these may take part at one instant; rubbing: friction of joints."""
         self.graph, self._copies, self.table, self.numbers = graph, copies, table, list(numbers)
         self.state, self.slide, self.rough, self.rubbing = shut, slide, rough, rubbing
         self.shut = {n: is_shut[n] for n in self.numbers}
         self.takes_part = rubbing is not None and rubbing.takes_part  # joints have impulses
         self.width = 2 if rough else 1
-        self._most = min(SLOTS if rough else SMOOTH_SLOTS, len(self.numbers))
+        self._most = min(MOST_SLOTS if crowded or not rough else SLOTS, len(self.numbers))
 
     # ---------------------------------------------------------------- responses
-    def _slots(self, m: SimpleNamespace, flags: dict[int, Flag]) -> tuple[list[_Slot], Flag]:
-        """The contacts that take part; a flag: there are no more."""
+    def _slots(self, m: SimpleNamespace, flags: dict[int, Flag]) -> tuple[list[_Slot], Operand]:
+        """The contacts that take part, and how many there are."""
         units = {n: [self._unit(m, n, 1.0, 0.0), self._unit(m, n, 0.0, -1.0)][: self.width] for n in self.numbers}
         slots, alone = [], len(self.numbers) == 1
         for k in range(self._most):
@@ -150,7 +151,7 @@ class RigidContacts:
         total: Operand = 0.0
         for n in self.numbers:
             total = total + select(flags[n], 1.0, 0.0)
-        return slots, total <= float(self._most)
+        return slots, total
 
     def _chosen(self, chosen: dict[int, Flag], arrays: list[np.ndarray]) -> np.ndarray:
         if len(arrays) == 1:
@@ -343,7 +344,7 @@ class RigidContacts:
     def struck(self, m: SimpleNamespace, y: np.ndarray) -> Struck:
         """What becomes of the state y (ny,), for which the equations of motion without closed contacts stand in m."""
         parts = {n: self.state[n] > 0.5 for n in self.numbers}
-        slots, enough = self._slots(m, parts)
+        slots, count = self._slots(m, parts)
         hits: Flag = False
         decides: Flag = False
         for n in self.numbers:
@@ -375,9 +376,13 @@ class RigidContacts:
             slide[n] = select(decides, select(mode > 0.5, way, 0.0), self.slide[n])
             impulse[n] = select(hits & agreed, _value(n, slots, (f[0] for f in struck)), 0.0)
         solved = (met | apply("not", hits)) & (lasts | apply("not", decides))
-        sound, told = enough & solved, symbol_of(1.0)
+        sound, told = select(solved, 1.0, 0.0), symbol_of(1.0)
         if self.rubbing is not None:  # joints may have other modes
-            sound, told = enough, select(solved, select(agreed, 1.0, 0.0), -1.0)
+            sound, told = 1.0, select(solved, select(agreed, 1.0, 0.0), -1.0)
+        crowd = select(count <= float(MOST_SLOTS), -1.0, -2.0)
+        sound = select(count <= float(self._most), sound, crowd)
+        if self._law(m) == ENERGETIC:  # one at a time
+            sound = select(hits & (count > 1.0), -2.0, sound)
         return Struck(state, shut, slide, impulse, sound, turned, can, told)
 
     def _agrees(
@@ -397,7 +402,7 @@ class RigidContacts:
     ) -> tuple[list[list[Operand]], list[Operand], Flag]:  # fmt: skip
         """N and T [N s] of each slot in an impact by the restitution law, those of joints that rub; a flag: there is
         one way."""
-        law = m.values[self.table[self.numbers[0], at.NORMAL_P] + at.RESTITUTION_LAW]
+        law = self._law(m)
         none: list[Operand] = [] if joints is None else [0.0] * len(joints.rates)
         if joints is not None and not self.takes_part:  # what is finite has no impulse
             joints = None
@@ -406,6 +411,11 @@ class RigidContacts:
             return f, rubs or none, met
         f, met = self._in_phases(m, slots, rate, slip, law == POISSON)
         return f, none, met
+
+    def _law(self, m: SimpleNamespace) -> float:
+        """The restitution law of the contacts."""
+        law: float = m.values[self.table[self.numbers[0], at.NORMAL_P] + at.RESTITUTION_LAW]
+        return law
 
     def _in_phases(
         self, m: SimpleNamespace, slots: list[_Slot], rate: dict[int, Operand], slip: dict[int, Operand], poisson: bool
@@ -423,8 +433,6 @@ class RigidContacts:
         met = True
         if self.rough:
             struck, met = along_path(g, parties[0], rates[0], rates[1])
-        for other in slots[1:]:
-            met = met & apply("not", other.taken)
         return [struck, *(list[Operand]([0.0] * self.width) for _ in slots[1:])], met
 
     def _before(
@@ -455,7 +463,10 @@ class RigidContacts:
         mus = [slot.of(self._of(m, at.MU)) if self.rough else 0.0 for slot in slots]
         slides = [slot.of(dict(enumerate(self.slide))) if self.rough else 0.0 for slot in slots]
         tries = []
-        for combination in itertools.product(options, repeat=len(slots)):
+        combinations: list[tuple[int, ...]] = list(itertools.product(options, repeat=len(slots)))
+        if len(slots) * self.width > 2 * SLOTS:  # what three hold by friction is not known: first those of few
+            combinations.sort(key=lambda modes: len(modes) - modes.count(OFF))
+        for combination in combinations:
             formula = functools.partial(self._forces, mus, combination)
             f, rubs, converged, problem = self._solved(m, slots, right, joints, what, formula)
             flags = [converged, *self._conditions(problem, slots, mus, slides, combination, f, lasting)]
@@ -507,13 +518,16 @@ class RigidContacts:
         after = [
             summed(x * y for x, y in zip(row, flat, strict=True)) - b for row, b in zip(problem.g, right, strict=True)
         ]
+        own = [apply("sqrt", abs(row[n])) for n, row in enumerate(problem.g)]
+        most = ROUNDED * summed(x * abs(y) for x, y in zip(own, flat, strict=True))  # times `own`: what rounding leaves
         close = SOLVED * summed(
             abs(b) for b in right
         )  # equations of a bar that leans on a wall may contradict each other
         flags: list[Flag] = []
         for k, mode in enumerate(combination):
             if mode == OFF:
-                flags.append((after[w * k] >= -SLIGHT * problem.size[w * k]) | apply("not", slots[k].taken))
+                slight = SLIGHT * problem.size[w * k] + own[w * k] * most
+                flags.append((after[w * k] >= -slight) | apply("not", slots[k].taken))
                 continue
             flags += [slots[k].taken, slots[k].loose[0], f[k][0] >= 0.0, abs(after[w * k]) <= close]
             if not self.rough:

@@ -43,10 +43,10 @@ CONSTANT = frozenset(("mass", "weight", "gravity", "lever", "const"))  # float a
 class Recorder:
     """Runs functions of the compiled layer on symbols of one graph; the journal of numbers that are recorded."""
 
-    def __init__(self, graph: Graph, beside: float = 0.0) -> None:
+    def __init__(self, graph: Graph, beside: float = 0.0, crowded: bool = False) -> None:
         """beside: conditions x > a that usually hold are taken for true; if not 0 for false, and x > beside a has to
-        be."""
-        self.graph, self.beside = graph, beside
+        be; crowded: more rigid contacts with friction at one instant, see `recorded_rigid`."""
+        self.graph, self.beside, self.crowded = graph, beside, crowded
         self.guards: list[Flag] = []
         self.assumed: dict[int, Flag] = {}  # by place: what reading the model has found true of its parameters
         own = {choices.assume.python: self._assume, choices.usually.python: self._usually}
@@ -71,7 +71,7 @@ class Recorder:
         switches = RecordedSwitches(self.graph, system) if lanes else None
         if switches is not None:
             switches.begin(self._copies)
-        self.contacts = RecordedContacts(self.graph, system, lanes, self.friction, switches)
+        self.contacts = RecordedContacts(self.graph, system, lanes, self.friction, switches, self.crowded)
         self.contacts.begin(self._copies)
         return self.contacts
 

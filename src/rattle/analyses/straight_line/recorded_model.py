@@ -171,19 +171,19 @@ class RecordedModel:
 
 def record_model(
     document: Tree, system: System, start: Assembled, names: Sequence[str] = (), *, contacts: bool = False,
-    lanes: bool = False, beside: float = 0.0,
+    lanes: bool = False, beside: float = 0.0, crowded: bool = False,
 ) -> RecordedModel:  # fmt: skip
     """Record a model.  names: parameters that become inputs.
 
     document: the tables of the model file, of which `system` was made.  contacts: whether contacts are recorded, their
-    states as further constants; lanes: as these follow them, else for derivatives.  beside: see `Recorder`.
+    states as further constants; lanes: as these follow them, else for derivatives.  beside, crowded: see `Recorder`.
     Raises TraceError, with the reason, where it cannot be straight-line code; UnknownName.
     """
     require_parameters(system, names)
     _require_smooth(system, contacts and lanes)
     _require_above(system, start)
     graph = Graph()
-    recorder = Recorder(graph, beside)
+    recorder = Recorder(graph, beside, crowded)
     t = graph.input()
     y = np.array([graph.input() for _ in range(state_layout(system).size)], dtype=object)
     inputs = [graph.input() for _ in names]

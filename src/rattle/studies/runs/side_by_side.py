@@ -65,7 +65,7 @@ class SideBySide:
         usual = task.analysis in DRIVEN or task.how.method in (None, EVENT_DRIVEN)
         self._method = usual_stepper(FREE) if usual else str(task.how.method)
         _require_lanes(task, self._method)
-        self.model = self._recorded(0.0)
+        self.model = self._recorded()
         follow = {*task.names, *self.model.dependent}
         if why := next((why for output in task.outputs if (why := why_not_lanes(output, dict.fromkeys(follow)))), ""):
             raise TraceError(why)
@@ -77,30 +77,45 @@ class SideBySide:
         self.asked = Asked(self.model, task.outputs)
         self.program = _program(self.model, self.asked, task, self._method, self._span)
 
-    def _recorded(self, beside: float) -> RecordedModel:
+    def _recorded(self, beside: float = 0.0, crowded: bool = False) -> RecordedModel:
         system = self.task.mechanism.system
         contact, dry = system.arrays["contact"], system.arrays["dry"]
         rubs = (dry[:, at.DRY_LAW] < 0) | (dry[:, at.DRY_STATES] > 0)
         touches = len(contact) > 0 or bool(rubs.any()) or bool(system.switches)
-        return self.task.mechanism.recorded(list(self.task.names), contacts=touches, beside=beside)
+        return self.task.mechanism.recorded(list(self.task.names), contacts=touches, beside=beside, crowded=crowded)
 
     @cached_property
     def _careful(self) -> Program | None:
         """The program for samples that come nearer to singular positions, whose equations it solves more exactly."""
-        model = self._recorded(BESIDE)
+        return self._other(self._recorded(beside=BESIDE))
+
+    @cached_property
+    def _crowded(self) -> Program | None:
+        """The program for samples that come to more contacts at once."""
+        are = None if self.model.contacts is None else self.model.contacts.are
+        return self._other(self._recorded(crowded=True)) if are is not None and are.may_crowd else None
+
+    def _other(self, model: RecordedModel) -> Program | None:
+        """The same for another record of the model; None if it is asked for otherwise there."""
         asked = Asked(model, self.task.outputs)
         same = asked.reductions == self.asked.reductions and asked.rows == self.asked.rows
         return _program(model, asked, self.task, self._method, self._span) if same else None
 
     def _outcome(self, values: np.ndarray, threads: int, progress: Callable[[int, int], None] | None) -> lanes.Outcome:
-        """Samples side by side; those that come next to a singular position again, by the careful program."""
+        """Samples side by side; those that come next to a singular position again, by the careful program, and those
+        that come to many contacts at once."""
         outcome = lanes.run(self.program, values, threads=threads, progress=progress)
-        near = np.flatnonzero(outcome.status == Status.ASSUMPTION)
-        if not len(near) or self._careful is None:
-            return outcome
-        again = lanes.run(self._careful, values[:, near], threads=min(threads, len(near)))
-        outcome.values[:, near], outcome.status[near], outcome.steps[near] = again.values, again.status, again.steps
-        return outcome._replace(tallies=outcome.tallies.plus(again.tallies))
+        for status in (Status.ASSUMPTION, Status.CROWDED):
+            left = np.flatnonzero(outcome.status == status)
+            if not len(left):
+                continue
+            program = self._careful if status == Status.ASSUMPTION else self._crowded
+            if program is None:
+                continue
+            again = lanes.run(program, values[:, left], threads=min(threads, len(left)))
+            outcome.values[:, left], outcome.status[left], outcome.steps[left] = again.values, again.status, again.steps
+            outcome = outcome._replace(tallies=outcome.tallies.plus(again.tallies))
+        return outcome
 
     def run(self, values: np.ndarray, threads: int = 1, progress: Callable[[int, int], None] | None = None) -> Together:
         """Samples with values (k, n) [SI] of the parameters that differ."""
