@@ -9,6 +9,7 @@ import pytest
 import rattle as rt
 from balls import RIGID as RIGID_STOP
 from balls import G, ball
+from blocks import against_a_wall, block
 from lane_runs import FINE, alone, assert_alike, side_by_side
 from rattle.analyses.straight_line.starts import Starts
 
@@ -51,30 +52,6 @@ B = {{ offset = [0, 0] }}
 """
 
 
-def block(more="", vx='"v"'):
-    """A block on a floor that slides and may turn."""
-    return f"""
-format = 1
-gravity = [0, -9.81]
-parameters = {{ mu = 0.3, v = 1.0, F = 0.0 }}
-ground.points.O = [0, 0]
-[bodies.block]
-points = {{ C = [0, 0], P = [-0.2, -0.1], Q = [0.2, -0.1] }}
-mass = 2
-inertia = 0.03
-[joints.floor]
-type = "surface"
-connect = ["ground.O", "block.C"]
-axis = 0
-corners = ["P", "Q"]
-contact = {{ model = "impact", restitution = 0, friction = "mu" }}
-[initial]
-block = {{ x = 0, y = 0.1, angle = 0, vx = {vx}, vy = 0, omega = 0 }}
-{more}
-"""
-
-
-# ---------------------------------------------------------------- closed forms
 def test_a_ball_bounces_to_rest_with_all_its_bounces():
     """t_k = t_1 (1 + 2 sum e^j); rest at t_1 (1 + e)/(1 - e), all energy is lost."""
     e, h = np.array([0.8, 0.6, 0.3, 0.0]), np.array([1.0, 0.5, 2.0, 1.0])
@@ -140,28 +117,10 @@ def test_a_block_slides_to_rest_and_sticks():
     assert force == pytest.approx(2 * G, rel=1e-9)
 
 
-def against_a_wall(law="newton"):
-    """The block slides on both corners into a rough wall: three contacts with friction at once."""
-    wall = f"""
-[ground.points]
-O = [0, 0]
-W = [0.5, 0]
-[joints.wall]
-type = "surface"
-connect = ["ground.W", "block.C"]
-axis = "90 deg"
-corners = ["R"]
-contact = {{ model = "impact", restitution = 0, friction = "mu", restitution_law = "{law}" }}
-"""
-    text = block().replace("ground.points.O = [0, 0]\n", "").replace("Q = [0.2, -0.1]", "Q = [0.2, -0.1], R = [0.2, 0]")
-    head, tail = text.replace("restitution = 0, ", f'restitution = 0, restitution_law = "{law}", ').split("[initial]")
-    return rt.loads(head + wall + "[initial]" + tail)
-
-
 def test_a_block_slides_into_a_rough_wall_and_stays():
     mu, v = np.array([0.3, 0.1, 0.5]), np.array([2.0, 1.0, 3.0])
     outputs = ["final(block.x)", "final(block.angle)", "final(energy.dissipated)", "time(wall.contacts, 1)"]
-    _, (x, angle, lost, hits) = side_by_side(against_a_wall(), {"mu": mu, "v": v}, outputs, 1.0, **FINE)
+    _, (x, angle, lost, hits) = side_by_side(rt.loads(against_a_wall()), {"mu": mu, "v": v}, outputs, 1.0, **FINE)
     assert x == pytest.approx(0.3, rel=1e-11)
     assert angle == pytest.approx(0, abs=1e-11)
     assert lost == pytest.approx(v**2, rel=1e-9)
@@ -169,7 +128,7 @@ def test_a_block_slides_into_a_rough_wall_and_stays():
 
 
 def test_three_contacts_with_friction_after_poisson_run_alone():
-    found = against_a_wall("poisson").many({"v": [2.0]}, t_end=0.3, outputs=["final(block.x)"])
+    found = rt.loads(against_a_wall("poisson")).many({"v": [2.0]}, t_end=0.3, outputs=["final(block.x)"])
     assert "three contacts at once" in found.stats["how"]
     assert found["final(block.x)"] == pytest.approx(0.3, rel=1e-9)
 

@@ -9,27 +9,25 @@ from __future__ import annotations
 
 import math
 from types import SimpleNamespace
-from typing import NamedTuple
 
 import numpy as np
 
-from rattle.equations import compliant, motion
+from rattle.equations import compliant
 from rattle.equations.dry_friction import REST
-from rattle.equations.state import IMPULSE, LOSS, STORED, WORK, account_at, energies_at, states_at
+from rattle.equations.state import LOSS, STORED, account_at, states_at
 from rattle.equations.system import System
 from rattle.errors import TraceError
 from rattle.jit import families
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
-from rattle.language.recorded import Flag, Operand, Recorded, bare, symbol_of
+from rattle.language.recorded import Operand, Recorded, bare, symbol_of
 from rattle.solvers.contacts.contact_events import GAUSS, WEIGHTS, push
 from rattle.solvers.contacts.gap_search import rate_rounding
 from rattle.solvers.nonsmooth.impact_phases import LZB, NEWTON, POISSON
-from rattle.trace.graph import Graph, Symbol, apply, both, select, summed
+from rattle.trace.graph import Graph, Symbol, apply, select, summed
 from rattle.trace.known_signs import SHALLOW, Depth, Gap, positive
 from rattle.trace.recorded_friction import RecordedFriction
 from rattle.trace.recorded_language import Copies
-from rattle.trace.recorded_modes import power
 from rattle.trace.recorded_rigid import SHUT, SLOTS, RigidContacts, Struck
 from rattle.trace.recorded_switches import RecordedSwitches
 from rattle.value_types import Plain
@@ -50,13 +48,6 @@ def _is(value: object, number: float) -> bool:
     return not isinstance(value, Recorded) and value == number
 
 
-class Impact(NamedTuple):
-    """What an impact of one contact does in one way: sticking, or slipping in one sense."""
-
-    state: list[Operand]  # (ny,) after it
-    possible: Flag
-
-
 class RecordedContacts:
     """The contacts of a system, n of them, on symbols of one graph."""
 
@@ -64,7 +55,7 @@ class RecordedContacts:
         self, graph: Graph, system: System, lanes: bool, friction: RecordedFriction | None,
         switches: RecordedSwitches | None, crowded: bool,
     ) -> None:  # fmt: skip
-        """lanes: rigid contacts may stay shut together, with friction; else, for derivatives, one at a time without;
+        """lanes: as these follow contacts, else as derivatives do;
         friction: that of joints without play, whose modes become inputs; switches: of expressions, whose sides do;
         crowded: more rigid contacts with friction at one instant, see `recorded_rigid`.
 
@@ -82,16 +73,15 @@ class RecordedContacts:
         self.scale = [bare(x) for x in system.arrays["lever"][:, at.GAP_SCALE]]  # sizes of gaps [m or rad]
         simple = friction is None and not any(_is(values[p + at.RESTITUTION_LAW], POISSON) for p in places[self.rigid])
         # whether rigid ones can be crowded: impacts in two phases, and joints that rub, make too much of each mode
-        self.may_crowd = lanes and simple and self.rigid.sum() > SLOTS and bool((self.rigid & ~self.lasts).any())
+        self.may_crowd = simple and self.rigid.sum() > SLOTS and bool((self.rigid & ~self.lasts).any())
         alone = self.rigid.sum() == 1 and smooth[int(np.flatnonzero(self.rigid)[0])]  # then all laws are one
         self.rubbing, self.switches, self._crowded = friction, switches, crowded
         for n in range(len(self.joints)):
             self._require_able(n, values, alone)
         self._take_inputs()
-        self.is_shut = [shut > 0.5 for shut in self.shut[: len(self.joints)]]
-        if lanes:  # of rigid ones it may be HITS, DECIDES too
-            self.is_shut = [flag & (shut < 1.5) for flag, shut in zip(self.is_shut, self.shut, strict=False)]
-        self._rigid: list[RigidContacts] = []
+        # a rigid one may be HITS, DECIDES too
+        self.is_shut = [(shut > 0.5) & (shut < 1.5) for shut in self.shut[: len(self.joints)]]
+        self._rigid: RigidContacts | None = None
 
     def _take_inputs(self) -> None:
         """Inputs of each of two kinds: of contacts, then of joints that rub, then of switches."""
@@ -133,8 +123,8 @@ class RecordedContacts:
         beside = "impacts ({}) beside dry friction of joints run side by side with restitution_law"
         return [
             (
-                self.lanes and not alone and _is(law, LZB),
-                'impacts ({}) do not run side by side with restitution_law = "lzb"',
+                not alone and _is(law, LZB),
+                'impacts ({}) with restitution_law = "lzb" cannot be straight-line code',
             ),
             (
                 friction is not None and not self.lanes,
@@ -150,7 +140,7 @@ class RecordedContacts:
 
     def prepare(self, workspace: SimpleNamespace) -> None:
         """Set what kernels find in the memory of contacts."""
-        workspace.closed_contacts_table = (self._hold,) if self._rigid else ()
+        workspace.closed_contacts_table = () if self._rigid is None else (self._hold,)
         for n in range(min(len(self), len(workspace.contact_memory))):
             clutch = self.table[n, at.LEVEL] or self.table[n, at.TOOTHED]  # which tell whether they are
             workspace.contact_memory[n, at.CLOSED] = select(self.is_shut[n], at.SHUT, at.OPEN) if clutch else at.SHUT
@@ -161,16 +151,12 @@ class RecordedContacts:
         copies.replace(families.call_stiffness, _positive_force)
         copies.replace(families.call_normal, _positive_force)
         self._copies = copies
-        together = (
-            [np.flatnonzero(self.rigid).tolist()] if self.lanes else [[n] for n in np.flatnonzero(self.lasts).tolist()]
-        )
-        self._rigid = [
-            RigidContacts(
+        self._rigid = None
+        if numbers := np.flatnonzero(self.rigid).tolist():
+            self._rigid = RigidContacts(
                 self.graph, copies, self.table, numbers, self.shut, self.speed, self.is_shut,
                 not all(self.lasts[numbers]), self._crowded, self.rubbing,
-            )
-            for numbers in together if numbers
-        ]  # fmt: skip
+            )  # fmt: skip
         self._clutch = copies.of(compliant.add_clutch_torque.python)
         self._laws = self._said(copies.of(compliant.add_force_of_laws.python), "the law of force or friction")
         self._measure = self._said(copies.of(compliant.measure.python), "the shape")
@@ -250,13 +236,13 @@ class RecordedContacts:
         return call
 
     def _hold(self, m: SimpleNamespace) -> None:
-        for contacts in self._rigid:
-            contacts.hold(m)
+        assert self._rigid is not None, "there are some"
+        self._rigid.hold(m)
 
     def struck(self, m: SimpleNamespace, y: np.ndarray) -> Struck:
         """What becomes of the state y (ny,) at the end of a step: what contacts without force have stored is lost,
         rigid ones hit, or their modes are looked for."""
-        if self._rigid and m.massless.shape[0]:
+        if self._rigid is not None and m.massless.shape[0]:
             raise TraceError("impacts beside bodies without mass cannot be straight-line code")
         state = y.copy()
         for n in np.flatnonzero(~self.rigid).tolist():
@@ -272,8 +258,8 @@ class RecordedContacts:
             first = self._copies.of(states_at.python)(m) + self.table[n, at.FIRST_STATE]
             for k in range(first, first + self.table[n, at.STATES]):
                 state[k] = select(self.is_shut[n], state[k], 0.0)
-        if self._rigid:
-            return self._rigid[0].struck(m, state)
+        if self._rigid is not None:
+            return self._rigid.struck(m, state)
         if self.rubbing is not None:
             self.rubbing.rest(m, state)
         rubs: list[Operand] = [] if self.rubbing is None else list(self.rubbing.modes.values())
@@ -302,7 +288,7 @@ class RecordedContacts:
 
     def bends(self, m: SimpleNamespace) -> dict[int, Operand]:
         """g'' of rigid contacts [m/s^2 or rad/s^2] at the accelerations in m."""
-        return self._rigid[0].bends(m)[0] if self._rigid else {}
+        return {} if self._rigid is None else self._rigid.bends(m)[0]
 
     def parting(self, m: SimpleNamespace, n: int) -> Operand:
         """Rate of the rate of clutch n [rad/s^2] at the accelerations in m."""
@@ -312,7 +298,8 @@ class RecordedContacts:
 
     def faint(self, m: SimpleNamespace, n: int) -> tuple[Operand, Operand]:
         """g'' of a rigid contact, and its force, that may be rounding; see `RigidContacts`."""
-        return self._rigid[0].faint(m, n)
+        assert self._rigid is not None, "it is one"
+        return self._rigid.faint(m, n)
 
     def calm(self, m: SimpleNamespace, n: int, rate: Operand) -> Operand:
         """A rate of contact n, 0 where it may be rounding."""
@@ -343,89 +330,9 @@ class RecordedContacts:
             depth = depth * self.graph.apply("power_of_two", self.graph.apply("floor", SHARE_OF_DOUBLINGS * doublings))
         return select(speed > 0.0, 3.0 * depth / speed, 0.0)
 
-    def impacts(self, m: SimpleNamespace, y: np.ndarray) -> dict[int, list[Impact]]:
-        """What impacts of rigid contacts do at the state y (ny,) for which the equations of motion stand in m."""
-        if m.massless.shape[0] > 0:
-            raise TraceError("impacts beside bodies without mass cannot be straight-line code")
-        return {n: self._impact(m, y, n) for n in np.flatnonzero(self.rigid).tolist()}
-
-    def _impact(self, m: SimpleNamespace, y: np.ndarray, n: int) -> list[Impact]:
-        p = self.table[n, at.NORMAL_P]
-        e, e_t, mu, law = (
-            m.values[p + k] for k in (at.RESTITUTION, at.TANGENTIAL_RESTITUTION, at.MU, at.RESTITUTION_LAW)
-        )
-        rate, slip = m.contact_kinematics[n, at.DGAP], m.contact_kinematics[n, at.SLIP]
-        push, away, _ = _response(m, self._copies, n, 1.0, 0.0)
-        g_nn, b_n = power(push, away), -(1.0 + e) * rate
-        if self.lasts[n]:  # with its restitution, and without
-            ways = []
-            for normal in (b_n / g_nn, -rate / g_nn):
-                work = normal * (rate + 0.5 * g_nn * normal)
-                ways.append(Impact(self._after(m, y, n, normal, [(away, normal)], work), normal >= 0.0))
-            return ways
-        if isinstance(law, Symbol) or law != NEWTON:
-            raise TraceError(
-                f'impacts with friction (joint {self.joints[n]}) have derivatives with restitution_law = "newton" only'
-            )
-        pull, along, _ = _response(m, self._copies, n, 0.0, -1.0)  # along the slip of B
-        g_nt, g_tt, b_t = power(push, along), power(pull, along), -(1.0 + e_t) * slip
-        det = g_nn * g_tt - g_nt * g_nt
-
-        def way(normal: Operand, tangent: Operand, *conditions: Flag) -> Impact:
-            work = normal * (rate + 0.5 * (g_nn * normal + g_nt * tangent))
-            work = work + tangent * (slip + 0.5 * (g_nt * normal + g_tt * tangent))
-            state = self._after(m, y, n, normal, [(away, normal), (along, tangent)], work)
-            return Impact(state, both(self.graph, [normal >= 0.0, *conditions]))
-
-        normal, tangent = (g_tt * b_n - g_nt * b_t) / det, (g_nn * b_t - g_nt * b_n) / det
-        ways = [way(normal, tangent, abs(tangent) <= mu * normal)]
-        for sense in (1.0, -1.0):
-            normal = b_n / (g_nn - sense * mu * g_nt)
-            tangent = -sense * mu * normal
-            ways.append(way(normal, tangent, sense * (slip + g_nt * normal + g_tt * tangent) >= 0.0))
-        return ways
-
-    def _after(
-        self, m: SimpleNamespace, y: np.ndarray, n: int, normal: Operand, parts: list[tuple[np.ndarray, Operand]],
-        work: Operand,
-    ) -> list[Operand]:  # fmt: skip
-        """y after impulses with these responses, which do so much work on the motion; what else its energy gains is
-        work of drivers.
-        """
-        state, nq, gained = list(y), m.change.shape[0], 0.0
-        for i in range(1, m.mass.shape[0]):
-            for k in range(3):
-                place = nq + 3 * i - 3 + k
-                for response, impulse in parts:
-                    state[place] = state[place] + response[i, k] * impulse
-                gained = gained + 0.5 * m.mass[i, k] * (state[place] * state[place] - y[place] * y[place])
-        account = self._copies.of(account_at.python)(m, n)
-        driven = self._copies.of(energies_at.python)(m) + WORK
-        state[account + LOSS] = state[account + LOSS] - work
-        state[account + IMPULSE] = state[account + IMPULSE] + normal
-        state[driven] = state[driven] + gained - work
-        return state
-
 
 def _is_zero(x: Operand) -> bool:
     return not isinstance(x, Symbol) and symbol_of(x) == 0.0
-
-
-def _response(
-    m: SimpleNamespace, copies: Copies, n: int, normal: float, tangent: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Generalised impulse of unit impulses of contact n (nb + 1, 3), the change of rates by it, and the multipliers."""
-    held = m.force.copy(), m.rows[:, at.GAMMA].copy(), m.acceleration.copy(), m.multiplier.copy()
-    m.force[:] = 0.0
-    m.rows[:, at.GAMMA] = 0.0
-    a, b = m.contact[n, at.A_BODY], m.contact[n, at.B_BODY]
-    copies.of(compliant.add_contact_force.python)(m.force, m.contact_kinematics, a, b, n, normal, tangent)
-    m.force[0] = 0.0
-    impulse = m.force.copy()
-    copies.of(motion.accelerate.python)(m)
-    change, reaction = m.acceleration.copy(), m.multiplier.copy()
-    m.force[:], m.rows[:, at.GAMMA], m.acceleration[:], m.multiplier[:] = held
-    return impulse, change, reaction
 
 
 def _positive_force(entry: Plain, arguments: tuple[object, ...]) -> Operand:

@@ -37,7 +37,18 @@ from rattle.language.recorded import Flag, Operand, symbol_of
 from rattle.solvers.contacts.gap_search import rate_rounding
 from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, NEWTON, POISSON
 from rattle.trace.graph import Graph, Symbol, apply, both, select, select_flag, summed
-from rattle.trace.recorded_friction import HIT, KEPT, LASTING, ROUNDS, Free, Pull, RecordedFriction, Shares, away
+from rattle.trace.recorded_friction import (
+    HIT,
+    KEPT,
+    LASTING,
+    ROUNDS,
+    Free,
+    Pull,
+    RecordedFriction,
+    Shares,
+    away,
+    hidden,
+)
 from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_modes import SLIGHT, Try, add, first, power, solved
 from rattle.trace.recorded_restitution import Party, along_path, expanded
@@ -146,7 +157,9 @@ class RigidContacts:
                 taken = taken | flag
             push = [self._chosen(chosen, [units[n][r] for n in self.numbers]) for r in range(self.width)]
             responses = [self._respond(m, impulse) for impulse in push]
-            loose = [power(p, r[0]) > FIXED * power(p, p * m.weight) for p, r in zip(push, responses, strict=True)]
+            loose = [
+                hidden(power(p, r[0]) > FIXED * power(p, p * m.weight)) for p, r in zip(push, responses, strict=True)
+            ]
             slots.append(_Slot(chosen, taken, push, [x[0] for x in responses], [x[1] for x in responses], loose))
         total: Operand = 0.0
         for n in self.numbers:
@@ -233,7 +246,8 @@ class RigidContacts:
                 held = _value(n, slots, (f[1] for f in forces))
                 kinematics[n, at.TANGENT] = -held
                 sticks = apply("equal", self.slide[n], 0.0)
-                kinematics[n, at.LOSS] = select(sticks, 0.0, -held * kinematics[n, at.SLIP])
+                slips = select(sticks, 0.0, -held * kinematics[n, at.SLIP])
+                kinematics[n, at.LOSS] = select(self.shut[n], slips, 0.0)
 
     def _off(self, m: SimpleNamespace, slots: list[_Slot]) -> list[Operand]:
         """What would be added to the rates of joints that rub if contacts that are shut had none: these hold only

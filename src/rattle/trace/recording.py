@@ -26,7 +26,7 @@ from rattle.language import bytecode as code
 from rattle.language.operations import CHOICES, CHOOSE, OPERATIONS
 from rattle.language.recorded import Flag, Operand, Recorded, symbol_of
 from rattle.trace.graph import Graph, Symbol, both, select
-from rattle.trace.recorded_contacts import Impact, RecordedContacts
+from rattle.trace.recorded_contacts import RecordedContacts
 from rattle.trace.recorded_friction import RecordedFriction
 from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_switches import Driven, RecordedSwitches
@@ -142,10 +142,6 @@ class Recorder:
         if self.contacts is not None:
             self.contacts.prepare(workspace)
         return workspace
-
-    def impacts(self, workspace: SimpleNamespace, y: np.ndarray) -> dict[int, list[Impact]]:
-        """What impacts do at y (ny,), for which the equations of motion stand in a workspace, by rigid contact."""
-        return {} if self.contacts is None else self.contacts.impacts(workspace, y)
 
 
 def _symbols(array: np.ndarray) -> np.ndarray:

@@ -301,18 +301,8 @@ def test_what_derivatives_cannot_follow_says_so_and_why():
         rt.example("slider_crank_oil").sensitivity(["slider.x"], ["c"], [0.0, 1e-3])
     with pytest.raises(TraceError, match="the shape of the contacts in lock branches"):
         rt.example("geneva").sensitivity(["wheel.angle"], ["r"], [0.0, 1e-3])
-    with pytest.raises(TraceError, match="derivatives with restitution_law"):
-        rt.loads(disc(law="poisson")).sensitivity(["pin.x"], ["c"], [0.0, 2e-3])
-    s = rt.loads(ball(h=0.0)).sensitivity(["ball.y"], ["e"], [0.0, 0.1])
+    s = rt.loads(ball(h=0.0)).sensitivity(["ball.y"], ["h"], [0.0, 0.1])
     assert "bodies touch in rail at the start already" in s.message
-
-
-def test_a_lasting_contact_with_friction_ends_the_answer_there():
-    contact = '{ model = "impact", restitution = 0.3, friction = 0.2, bush_radius = 0.01 }'
-    s = rt.loads(slider_crank(contact)).sensitivity(["slider.x"], ["c"], np.linspace(0, 2e-3, 21), rtol=1e-9)
-    assert not s.success
-    assert "comes to rest on its rigid contact with friction" in s.message
-    assert len(s.t) > 3
 
 
 def test_beyond_the_horizon_of_a_chaotic_motion_there_is_no_derivative():
@@ -338,18 +328,12 @@ def test_what_is_not_defined_is_called_so():
     assert (other.effect, other.slope) == ("not defined", "not defined")
 
 
-def test_of_a_contact_at_which_the_answer_ends_that_is_said():
-    s = rt.example("guide_play").sensitivity(["time(guide.contacts, 1)"], ["c"], [0.0, 0.006])
-    assert "several contacts begin or end there at once" in s.message
-    assert any(note.startswith("time(guide.contacts, 1) is not known: derivatives end at t") for note in s.trust.notes)
-
-
 def test_contacts_begin_at_their_instants_whatever_the_model_steps_by():
     """The example takes equal steps, at whose ends its contacts begin."""
     m, of = rt.example("three_plays"), ["time(B.contacts, 1)", "speed(B.contacts, 1)"]
     assert m.model.settings.method == "moreau"
     s = m.sensitivity(of, ["l1"], [0.0, 0.0115], **FINE)
-    assert "comes to rest on its rigid contact with friction" in s.message
+    assert s.success
     step = 1e-6 * m.parameters["l1"]
     near = [m.set(l1=m.parameters["l1"] + d).simulate(0.0118, method="event", **FINE) for d in (step, -step)]
     hits = [next(event for event in r.events if event.kind == "impact") for r in near]

@@ -63,7 +63,10 @@ class Linearised:
 
 def live_without(graph: Graph, outputs: Sequence[Operand], flag: Operand) -> set[int]:
     """Places that outputs depend on while a flag is false."""
-    condition, seen = graph.place(flag), set[int]()
+    false, seen = {graph.place(flag)}, set[int]()
+    for place in sorted(graph.live(outputs)):  # operands come before what they are used for
+        if graph.ops[place] == "both" and not false.isdisjoint(graph.operands[place]):
+            false.add(place)
     ahead = [graph.place(x) for x in outputs]
     while ahead:
         place = ahead.pop()
@@ -71,7 +74,7 @@ def live_without(graph: Graph, outputs: Sequence[Operand], flag: Operand) -> set
             continue
         seen.add(place)
         operands = graph.operands[place]
-        chosen = graph.ops[place] == "select" and operands[0] == condition
+        chosen = graph.ops[place] == "select" and operands[0] in false
         ahead += [operands[0], operands[2]] if chosen else operands
     return seen
 

@@ -36,7 +36,7 @@ from rattle.results.result import UnknownName
 from rattle.solvers.output_row import record
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph, Symbol, both, select
-from rattle.trace.recorded_contacts import Impact, RecordedContacts
+from rattle.trace.recorded_contacts import RecordedContacts
 from rattle.trace.recorded_friction import Joint
 from rattle.trace.recorded_rigid import Struck
 from rattle.trace.recorded_switches import Switch
@@ -63,9 +63,9 @@ class ContactFunctions:
     normal: list[Operand]  # force [N] or moment [N m] where it is shut
     across: list[Operand]  # speeds of centres of pins across their normals [m/s]
     lasting: list[Operand]  # how long it will last about, which has just begun [s]; 0: unknown
-    impacts: dict[int, list[Impact]]  # of the rigid ones; of one that may last with its restitution, and without
     rubbing: RubbingFunctions | None = None  # of derivatives, if joints rub
-    held: HeldFunctions | None = None  # of lanes
+    held: HeldFunctions | None = None  # of lanes, and of rigid contacts
+    reserve: Sequence[Operand] = ()  # of derivatives: what is left of the slip or the stick of rigid contacts
     strain: Sequence[Operand] = ()  # of lanes: energy [J] of those that are compliant at their depth
 
     @property
@@ -85,7 +85,7 @@ class RubbingFunctions:
 
 @dataclass(frozen=True)
 class HeldFunctions:
-    """Recorded functions of the contacts of a model that end where their force does, and of rigid ones, for lanes;
+    """Recorded functions of the contacts of a model that end where their force does, and of rigid ones;
     lists by contact, in order.  After them stand joints that rub, see `recorded_friction.Joint`: their reserve, rate as
     slip, force as tangent, acceleration as bend, whether others hold them as calm, what may be rounding
     of the reserve as faint.  Then expressions that switch: their switching function as slip, its rate as tangent, both
@@ -192,7 +192,7 @@ def record_model(
     met = recorder.record_contacts(recorded, lanes) if contacts else None
     recording = Recording(recorded, recorder)
     rate, sound_rate = recording.guarded(lambda: recording.derivative(t, y))
-    touching = _record_contacts(recording, recorder, met, t, y, rate if lanes else None)
+    touching = _record_contacts(recording, met, t, y, rate if lanes else None)
     closed, sound_closed = recording.guarded(lambda: recording.projection(t, y))
     curves, units, sound_row = record_curves(recording, t, y)
     curves["energy.balance"] = curves["energy.balance"] - graph.input()
@@ -219,28 +219,31 @@ def _with_inputs(document: Tree, system: System, recorder: Recorder, inputs: Map
 
 
 def _record_contacts(
-    recording: Recording, recorder: Recorder, met: RecordedContacts | None, t: Operand, y: np.ndarray,
+    recording: Recording, met: RecordedContacts | None, t: Operand, y: np.ndarray,
     rate: Sequence[Operand] | None,
 ) -> ContactFunctions | None:  # fmt: skip
     """Gaps, forces and impacts of contacts; rate: dy/dt (ny,) for lanes.  None if nothing begins, ends or switches."""
     if met is None or not met.inputs:
         return None
 
-    def measured() -> tuple[SimpleNamespace, dict[int, list[Impact]], HeldFunctions | None, list[Operand]]:
+    def measured() -> tuple[SimpleNamespace, HeldFunctions | None, list[Operand]]:
         workspace = recording.run(derivative, t, y, np.zeros(len(y), dtype=object))
         if rate is not None:
             switches: list[Switch] = []
             if met.switches is not None:
                 switches = met.switches.at([1.0, *rate], lambda: recording.driven(workspace, t))
             strain = [met.strain(workspace, n) for n in range(len(met))]
-            return workspace, {}, _held(met, workspace, y, switches), strain
-        return workspace, recorder.impacts(workspace, y), None, []
+            return workspace, _held(met, workspace, y, switches), strain
+        return workspace, _held(met, workspace, y, []) if met.rigid.any() else None, []
 
-    (workspace, impacts, held, strain), _ = recording.guarded(measured)
+    (workspace, held, strain), _ = recording.guarded(measured)
     kept = (at.GAP, at.DGAP, at.NORMAL, at.ACROSS)
-    gap, rate, normal, across = (list(workspace.contact_kinematics[:, column]) for column in kept)
-    rubs = _record_rubbing(met, workspace, y) if held is None and met.rubbing is not None else None
-    return ContactFunctions(met, gap, rate, normal, across, met.lasting(workspace), impacts, rubs, held, strain)
+    gap, rate_of_gap, normal, across = (list(workspace.contact_kinematics[:, column]) for column in kept)
+    rubs = _record_rubbing(met, workspace, y) if rate is None and met.rubbing is not None else None
+    reserve: list[Operand] = []
+    if rate is None:  # differentiable where a slip is rounding, too
+        reserve = [_reserve(met, workspace, n, False) if met.rigid[n] else 1.0 for n in range(len(met))]
+    return ContactFunctions(met, gap, rate_of_gap, normal, across, met.lasting(workspace), rubs, held, reserve, strain)
 
 
 def _record_rubbing(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray) -> RubbingFunctions | None:
@@ -291,15 +294,17 @@ def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray, switches: Se
     return held
 
 
-def _reserve(met: RecordedContacts, m: SimpleNamespace, n: int) -> Operand:
-    """What is left of the slip or the stick of a rigid contact, see `HeldFunctions`."""
+def _reserve(met: RecordedContacts, m: SimpleNamespace, n: int, calm: bool = True) -> Operand:
+    """What is left of the slip or the stick of a rigid contact, see `HeldFunctions`; calm: without what may be
+    rounding."""
     row = m.contact_kinematics[n]
     if met.table[n, at.LEVEL]:
         return select(met.is_shut[n], 1.0, row[at.DGAP])
     if met.lasts[n]:
         return 1.0
     sticks = abs(met.speed[n]) < 0.5
-    slips = met.speed[n] * met.calm(m, n, row[at.SLIP])  # 0 of one that others hold, though it bears all that it can
+    slip = met.calm(m, n, row[at.SLIP]) if calm else row[at.SLIP]
+    slips = met.speed[n] * slip  # 0 of one that others hold, though it bears all that it can
     return select(sticks, met.friction(m, n) * row[at.NORMAL] - abs(row[at.TANGENT]), slips)
 
 

@@ -26,7 +26,7 @@ from rattle.questions.equilibrium.compute import equilibria
 from rattle.questions.equilibrium.quasistatic import quasistatic
 from rattle.questions.kinematics.compute import analyse, instants
 from rattle.questions.sensitivity.at_rest import AtRest, record_rest
-from rattle.questions.sensitivity.contacts import ContactMotion
+from rattle.questions.sensitivity.contacts import CROWDED, ContactMotion
 from rattle.questions.sensitivity.driven import Driven, positions
 from rattle.questions.sensitivity.effects import derivative_name, quotient, usual_change
 from rattle.questions.sensitivity.functions import Functions
@@ -123,16 +123,20 @@ def sensitivity(
     times = _times(system, t_eval, analysis)
     arguments.require_room(len(times), len(outputs) * (1 + len(parameters)))
     of_contacts = contacts_in(system, outputs, analysis)
-    for beside in (0.0, BESIDE):  # next to a singular position equations are solved more exactly, where need be
-        model = _recorded(document, system, begin, parameters, analysis == "simulate", beside)
+    beside, crowded = 0.0, False
+    for _ in range(3):  # next to a singular position, and where many contacts take part, another record, where need be
+        model = _recorded(document, system, begin, parameters, analysis == "simulate", beside, crowded)
         asked = Asked(model, Parameters.of(model), outputs, times, rtol, atol, of_contacts)
         numbers = numbers_in(model, outputs, of_contacts)
         if numbers:
             answer, units = _with_numbers(asked, numbers, analysis)
         else:
             answer, units = FIND[analysis](asked)
-        if analysis != "simulate" or not answer.message.endswith(UNSOUND):
+        near, crowd = answer.message.endswith(UNSOUND), answer.message.endswith(CROWDED)
+        crowd = crowd and model.contacts is not None and model.contacts.are.may_crowd
+        if analysis != "simulate" or (not (near and not beside) and not (crowd and not crowded)):
             break
+        beside, crowded = BESIDE if near else beside, crowded or crowd
     answer.stats["wall_time"] = time.perf_counter() - began
     result = _result(asked, analysis, answer, units)
     if strict and answer.message:
@@ -158,11 +162,15 @@ def _times(system: System, t_eval: Any, analysis: str) -> np.ndarray:
 
 
 def _recorded(
-    document: Tree, system: System, begin: Assembled, parameters: Sequence[str], in_time: bool, beside: float
+    document: Tree, system: System, begin: Assembled, parameters: Sequence[str], in_time: bool, beside: float,
+    crowded: bool,
 ) -> RecordedModel:  # fmt: skip
     """The recorded model.  Raises TraceError with what can be done, also where a parameter changes its parts."""
     try:
-        model = record_model(document, system, begin, parameters, contacts=in_time and system.turns, beside=beside)
+        model = record_model(
+            document, system, begin, parameters, contacts=in_time and system.turns, beside=beside,
+            crowded=crowded,
+        )  # fmt: skip
     except TraceError as error:
         remedy = ""
         joints = system.model.joints.items()

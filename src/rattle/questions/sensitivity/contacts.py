@@ -4,9 +4,9 @@
     Y+ = r_y Y- + r_p + (r_t + r_y f- - f+) t*_p                                          (saltation)
 
 A compliant contact begins with r = y, and its speed v0 = -g' is a constant of its laws from there on, with
-v0_p = -(g'_y Y- + g'_p) - (dg'/dt) t*_p;  it ends where its gap opens, or its force does.  An impact of a rigid contact
-changes rates by impulses that stick, or slip in one sense: each way is a formula with derivatives of its own.
-The largest force of a contact changes as the force at that instant does.
+v0_p = -(g'_y Y- + g'_p) - (dg'/dt) t*_p;  it ends where its gap opens, or its force does.  Rigid contacts hit, and go on
+sticking, slipping or apart, as `trace.recorded_rigid` has it for lanes: r is its formula in the modes that fit.  While
+one sticks g is what is left of its friction, mu N - |T|; while it slips, its slip.  The largest force of a contact changes as the force at that instant does.
 
 Source: Ivanov, Stability of periodic motions with impacts, in: Impacts in Mechanical Systems, Springer (2000);
 Leine, Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems (2004), chapter 7.
@@ -24,15 +24,19 @@ from rattle.equations.state import LOSS, STORED, state_layout
 from rattle.questions.sensitivity.functions import Functions, Rates
 from rattle.questions.sensitivity.motion import BESIDE, RESTART, SAME, TOO_SHORT, Motion
 from rattle.questions.sensitivity.step import Step
-from rattle.questions.sensitivity.touching import Touching, Watched
-from rattle.solvers.nonsmooth.impacts import LOW
+from rattle.questions.sensitivity.touching import Blow, Touching, Watched
+from rattle.solvers.nonsmooth.impacts import LOW, NOTICED
 from rattle.trace.lane_control import SHORT
+from rattle.trace.lane_turns import STUCK
+from rattle.trace.recorded_rigid import DECIDES, HITS
 
 GRAZES = 1e-3  # share of the largest |g'| since the contact before, below which a contact only grazes
 ALMOST = 0.1  # share of the gap at both ends of a step by which its least value may be in doubt
 TRIES = 60  # of a landing by interpolation, before steps are halved
 PEAK_ROUNDS = 40  # of the search for a largest force, by halves
 MOST_MODES = 30  # of joints that rub, one after the other at one instant
+CROWDED = "more contacts take part at once than derivatives follow"
+UNMOVED = 1e-10  # share of the run by which a change of a parameter, as large as it is, moves an instant by rounding
 NOT_OPEN = 1e-12  # [m or rad] by which a contact may be shut at the start
 
 
@@ -60,8 +64,7 @@ class ContactMotion(Motion):
         self.met: list[Met] = []
         self.notes: list[str] = []
         self.grazed = math.inf  # instant from which on derivatives are not defined [s]
-        count = touching.count
-        self._fastest = np.zeros(count)  # largest |g'| since the contact before
+        self._fastest = np.zeros(touching.rows)  # largest |g'| since the contact before
         self._open: dict[int, Met] = {}  # contacts that last
         self._pulsates = pulsates(functions.model.system.model)
         self._tries = 0
@@ -76,11 +79,22 @@ class ContactMotion(Motion):
         are, count = self.touching.are, self.touching.contacts
         shut = np.flatnonzero(self._seen.gap[:count] <= np.where(are.rigid, NOT_OPEN, -NOT_OPEN))
         shut = shut[(self._seen.gap[shut] < -NOT_OPEN) | (self._seen.rate[shut] <= 0.0)]
-        if len(shut):
+        if len(shut) and self._rests(shut):
+            self._press(shut.tolist(), np.zeros(self.z.shape[1] - 1), 0.0)
+            self._limit_steps()
+        elif len(shut):
             self.message = (
                 f"bodies touch in {are.joints[shut[0]]} at the start already, from which derivatives cannot follow; let"
                 " them start apart"
             )
+
+    def _rests(self, shut: np.ndarray) -> bool:
+        """Whether contacts that are shut at the start are rigid ones at rest, whatever the parameters."""
+        if not self.touching.rigid[shut].all() or (self._seen.gap[shut] < -NOT_OPEN).any():
+            return False
+        leaving = self.touching.leaving(self.t, self.z)
+        moved = max(np.abs(self._seen.by_gap[shut]).max(initial=0.0), np.abs(self._seen.by_rate[shut]).max(initial=0.0))
+        return moved <= NOT_OPEN and all(leaving[n].rise == 0.0 for n in shut.tolist())
 
     def _look(self, t: float, z: np.ndarray, rates: Rates) -> Watched:
         return self.touching.watched(t, z, rates.values[:, 0])
@@ -105,8 +119,18 @@ class ContactMotion(Motion):
         if self.message:
             return False
         if len(hit):
-            self._meet(hit)
+            self._meet(self._with_others(hit))
         return not len(hit)
+
+    def _with_others(self, hit: np.ndarray) -> np.ndarray:
+        """Rigid contacts that hit at the present instant: those that come to their walls but for rounding, too."""
+        touching, seen = self.touching, self._seen
+        if not (touching.rigid[hit] & ~touching.shut[hit]).all():
+            return hit
+        leaving = touching.leaving(self.t, self.z)
+        others = touching.rigid & ~touching.shut & ~touching.released & (np.abs(seen.gap) <= NOT_OPEN)
+        close = [n for n in np.flatnonzero(others).tolist() if leaving[n].rise < 0.0]
+        return np.union1d(hit, close).astype(int)
 
     def _hit(self, before: Watched, after: Watched) -> np.ndarray:
         """Contacts that begin or end within a step."""
@@ -117,10 +141,16 @@ class ContactMotion(Motion):
         closes |= (after.gap == 0.0) & (before.gap > 0.0) & (after.rate < 0.0)
         if touching.rubbing is not None and before.rubbed is not None and after.rubbed is not None:
             rests = before.rubbed.rests & after.rubbed.rests & (touching.rubbing.modes != 0.0)
-            closes[touching.contacts :] &= ~rests  # others hold it: its rate is rounding
+            closes[touching.contacts : touching.slides] &= ~rests  # others hold it: its rate is rounding
+        slack: float | np.ndarray = 0.0
+        if after.slips is not None and before.slips is not None and after.slack is not None:
+            rough, slack = touching.rough, after.slack
+            closes[touching.slides :] &= (
+                (touching.slide[rough] == 0.0) | (before.slips != 0.0)[rough] | (after.slips != 0.0)[rough]
+            )
         begins = ~touching.shut & ~touching.released & closes
         opens = touching.shut & ~by_force & (after.gap > 0.0) & ((before.gap < 0.0) | (after.rate > 0.0))
-        pulls = touching.shut & by_force & (after.normal < 0.0) & (after.normal_in_time < 0.0)
+        pulls = touching.shut & by_force & (after.normal < -slack) & (after.normal_in_time < 0.0)
         return np.flatnonzero(begins | opens | pulls)
 
     def _ends_by_force(self, n: int) -> bool:
@@ -197,22 +227,25 @@ class ContactMotion(Motion):
     # ---------------------------------------------------------------- contacts
     def _meet(self, hit: np.ndarray) -> None:
         """What begins or ends at the present instant."""
-        joints, contacts = self.touching.joints, self.touching.contacts
-        rubs = bool((hit >= contacts).all())
-        if len(hit) > 1 and not rubs:
-            names = ", ".join(dict.fromkeys(joints[n] for n in hit))
+        touching, seen, n = self.touching, self._seen, int(hit[0])
+        rubs = bool(((hit >= touching.contacts) & (hit < touching.slides)).all())
+        rigid = bool(((hit >= touching.slides) | touching.rigid[hit]).all())
+        begins = touching.rigid[hit] & ~touching.shut[hit]
+        shift = self._shift_of(n)
+        alike = rigid and (begins.all() or not begins.any())
+        alike = alike and all(self._is_alike(shift, self._shift_of(row)) for row in hit.tolist())
+        if len(hit) > 1 and not rubs and not alike:
+            names = ", ".join(dict.fromkeys(touching.joints[n] for n in hit))
             self.message = f"stopped at t = {self.t:.6g} s: several contacts begin or end there at once ({names})"
             return
-        n = int(hit[0])
-        seen, before = self._seen, self._rates.values
-        by, rate = seen.by_gap, seen.rate
-        if self._ends_by_force(n):
-            by, rate = seen.by_normal, seen.normal_in_time
-        shift = -by[n] / rate[n] if rate[n] != 0.0 else np.full(before.shape[1] - 1, math.nan)
         self._keep_moment(shift)
         if rubs:
             self._turn(hit, shift)
-        elif self.touching.shut[n]:
+        elif rigid and begins.any():
+            self._collide(hit.tolist(), shift)
+        elif rigid:
+            self._change(hit.tolist(), shift)
+        elif touching.shut[n]:
             self._end(n, shift)
         else:
             self._start(n, shift)
@@ -224,6 +257,19 @@ class ContactMotion(Motion):
             self.switched += 1
             self._limit_steps()
 
+    def _shift_of(self, n: int) -> np.ndarray:
+        """(k,) derivatives of the present instant, at which row n turns."""
+        seen, by, rate = self._seen, self._seen.by_gap, self._seen.rate
+        if self._ends_by_force(n):
+            by, rate = seen.by_normal, seen.normal_in_time
+        return np.asarray(-by[n] / rate[n] if rate[n] != 0.0 else np.full(by.shape[1], math.nan))
+
+    def _is_alike(self, shift: np.ndarray, other: np.ndarray) -> bool:
+        """Whether two instants depend alike on the parameters."""
+        sizes = self.tolerance.parameters
+        off, most = (np.abs(x * sizes).max(initial=0.0) for x in (other - shift, shift))
+        return bool(off <= SAME * most + UNMOVED * self.t_end)
+
     def _limit_steps(self) -> None:
         """While a body rests steps grow, whatever loads do that change with time."""
         touching = self.touching
@@ -231,11 +277,10 @@ class ContactMotion(Motion):
         rests |= touching.rubbing is not None and (np.abs(touching.rubbing.modes) != 1.0).any()
         self._longest = self.t_end / SHORT if rests and self._pulsates else math.inf
 
-    def _start(self, n: int, shift: np.ndarray) -> None:
-        seen, touching, joint = self._seen, self.touching, self.touching.are.joints[n]
-        speed = -float(seen.rate[n])
-        by_speed = -seen.by_rate[n] - seen.rate_in_time[n] * shift
-        if speed < GRAZES * self._fastest[n] and self.grazed == math.inf:
+    def _note_start(self, n: int, shift: np.ndarray, speed: float, by_speed: np.ndarray, closes: bool = True) -> Met:
+        """Note that contact n begins; closes: its gap does."""
+        joint = self.touching.joints[n]
+        if closes and speed < GRAZES * self._fastest[n] and self.grazed == math.inf:
             self.grazed = self.t
             self.notes.append(
                 f"contact {self._number(joint)} of {joint} grazes at t = {self.t:.6g} s: derivatives from there on are"
@@ -244,44 +289,86 @@ class ContactMotion(Motion):
         met = Met(joint, self.t, shift, speed, by_speed)
         self.met.append(met)
         self._fastest[n] = 0.0
-        if touching.are.rigid[n]:
-            self._collide(n, shift, speed)
-        else:
-            before = self._rates.values[:, 0]
-            touching.set(n, True, speed, by_speed)
-            self._open[n] = met
-            met.peak, met.by_peak = 0.0, np.zeros_like(shift)
-            self._go_on(self.z, before, shift)
-            if self._seen.normal[n] > 0.0:  # at once, by its damping: it moves with the instant
-                met.peak = float(self._seen.normal[n])
-                met.by_peak = self._seen.by_normal[n] + self._seen.normal_in_time[n] * shift
+        return met
 
-    def _collide(self, n: int, shift: np.ndarray, speed: float) -> None:
-        joint = self.touching.are.joints[n]
-        bend = abs(float(self._seen.rate_in_time[n]))
-        stays = 0.5 * speed * speed <= LOW * self.touching.are.scale[n] * bend
-        if stays and not self.touching.are.lasts[n]:
-            self.message = (
-                f"stopped at t = {self.t:.6g} s: {joint} comes to rest on its rigid contact with friction, beyond which"
-                " derivatives are not computed"
-            )
+    def _start(self, n: int, shift: np.ndarray) -> None:
+        """A compliant contact begins."""
+        seen, before = self._seen, self._rates.values[:, 0]
+        speed, by_speed = -float(seen.rate[n]), -seen.by_rate[n] - seen.rate_in_time[n] * shift
+        met = self._open[n] = self._note_start(n, shift, speed, by_speed)
+        self.touching.set(n, True, speed, by_speed)
+        met.peak, met.by_peak = 0.0, np.zeros_like(shift)
+        self._go_on(self.z, before, shift)
+        if self._seen.normal[n] > 0.0:  # at once, by its damping: it moves with the instant
+            met.peak = float(self._seen.normal[n])
+            met.by_peak = self._seen.by_normal[n] + self._seen.normal_in_time[n] * shift
+
+    def _collide(self, hit: list[int], shift: np.ndarray) -> None:
+        """An impact of rigid contacts, in which those that last take part."""
+        touching, seen = self.touching, self._seen
+        held = np.flatnonzero(touching.shut & touching.rigid).tolist()
+        codes = dict.fromkeys(sorted([*hit, *held]), HITS)
+        blow = touching.struck(codes, self.t, self.z, self._rates.values[:, 0])
+        if not self._is_sound(blow, hit, "the impact in {} has no solution, or several"):
             return
-        if held := [other for other in np.flatnonzero(self.touching.shut) if self.touching.are.rigid[other]]:
-            lasting = self.touching.are.joints[held[0]]
-            self.message = f"stopped at t = {self.t:.6g} s: {joint} hits while the rigid contact of {lasting} lasts"
+        hardest = max(blow.impulse.values())
+        for n in codes:
+            if blow.impulse[n] > NOTICED * hardest:
+                here = n in hit
+                by_speed = -seen.by_rate[n] - seen.rate_in_time[n] * shift if here else np.zeros_like(shift)
+                self._note_start(n, shift, -float(seen.rate[n]) if here else 0.0, by_speed, here)
+            touching.set(n, False)
+            self._fastest[n] = 0.0
+        self._go_on(blow.z, blow.along, shift)
+        if self.message:
             return
-        after = self.touching.impact(n, self.t, self.z, self._rates.values[:, 0], not stays)
-        if after is not None and self.touching.are.lasts[n] and not stays:
-            back = float(self.touching.watched(self.t, after[0], self._rates.values[:, 0]).rate[n])
-            if 0.5 * back * back <= LOW * self.touching.are.scale[n] * bend:  # it does not return anything
-                stays, after = True, self.touching.impact(n, self.t, self.z, self._rates.values[:, 0], False)
-        if after is None:
-            self.message = f"stopped at t = {self.t:.6g} s: the impact in {joint} has no solution, or several"
+        leaving = touching.leaving(self.t, self.z)
+        stay = [n for n in codes if leaving[n].low(LOW * touching.are.scale[n])]
+        if stay:
+            self._press(stay, shift, STUCK * float(-seen.rate[hit].min()))
+
+    def _press(self, those: list[int], shift: np.ndarray, slow: float) -> None:
+        """Rigid contacts that were open press from here on, or let go; slow: slip [m/s] that is none."""
+        for n, leaving in self.touching.leaving(self.t, self.z).items():
+            if n in those:
+                self.touching.slide[n] = math.copysign(1.0, leaving.slip) if abs(leaving.slip) > slow else 0.0
+        self._decide(those, shift)
+
+    def _decide(self, those: list[int], shift: np.ndarray) -> None:
+        """Rigid contacts last from here on, sticking or slipping, or let go."""
+        touching = self.touching
+        blow = touching.struck(dict.fromkeys(those, DECIDES), self.t, self.z, self._rates.values[:, 0])
+        if not self._is_sound(blow, those, "whether {} slips, sticks or lets go has no answer, or several"):
             return
-        z, along = after
-        if stays:
-            self.touching.set(n, True)
-        self._go_on(z, along, shift)
+        for n in those:
+            touching.set(n, blow.shut[n], blow.slide[n])
+        self._go_on(blow.z, blow.along, shift)
+
+    def _is_sound(self, blow: Blow, those: list[int], words: str) -> bool:
+        """Whether what contacts do is known; a message if not, in words for their joints."""
+        names = ", ".join(dict.fromkeys(self.touching.joints[n] for n in those))
+        if blow.sound != 1.0:
+            why = f"{names} and others: {CROWDED}" if blow.sound < 0.0 else words.format(names)
+            self.message = f"stopped at t = {self.t:.6g} s: {why}"
+        return blow.sound == 1.0
+
+    def _change(self, hit: list[int], shift: np.ndarray) -> None:
+        """Rigid contacts let go, begin to slip or cease to."""
+        touching = self.touching
+        broken = touching.broken(self.t, self.z)
+        for row in hit:
+            if row < touching.contacts:
+                self._fastest[row] = abs(self._seen.rate[row])
+                touching.set(row, False)
+                touching.released[row] = True
+            else:
+                n = int(touching.rough[row - touching.slides])
+                touching.set(n, True, 0.0 if touching.slide[n] != 0.0 else broken[n])
+        those = np.flatnonzero(touching.shut & touching.rigid).tolist()
+        if those:
+            self._decide(those, shift)
+        else:
+            self._go_on(self.z, self._rates.values[:, 0], shift)
 
     def _end(self, n: int, shift: np.ndarray) -> None:
         z, before = self.z.copy(), self._rates.values[:, 0].copy()
@@ -315,8 +402,7 @@ class ContactMotion(Motion):
         assert seen.rubbed is not None
         modes = rubbing.modes.copy()
         for n in hit.tolist():
-            own = -seen.by_gap[n] / seen.rate[n] if seen.rate[n] != 0.0 else np.full_like(shift, math.nan)
-            if not np.abs(own - shift).max(initial=0.0) <= SAME * np.abs(shift).max(initial=0.0):
+            if not self._is_alike(shift, self._shift_of(n)):
                 names = ", ".join(dict.fromkeys(self.touching.joints[n] for n in hit))
                 self.message = (
                     f"stopped at t = {self.t:.6g} s: several joints begin to slip or to stick at once ({names})"

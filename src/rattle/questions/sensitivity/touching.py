@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
-from rattle.analyses.straight_line.linearised import Linearised
-from rattle.analyses.straight_line.recorded_model import ContactFunctions
+from rattle.analyses.straight_line.linearised import Columns, Linearised
+from rattle.analyses.straight_line.recorded_model import ContactFunctions, HeldFunctions
 from rattle.questions.sensitivity.functions import Functions
 from rattle.questions.sensitivity.rubbing import Rubbed, Rubbing
 from rattle.trace.lane_program import Compile
@@ -17,7 +19,8 @@ from rattle.trace.lane_program import Compile
 class Watched:
     """Gaps of all contacts, their rates and forces (n,), with derivatives by parameters (n, k) and along the motion.
 
-    After them, joints that rub: what is left of their modes as gap, how that changes as rate.
+    After them, joints that rub, and rigid contacts with friction once more: what is left of their modes as gap, how
+    that changes as rate.
     """
 
     gap: np.ndarray
@@ -29,6 +32,35 @@ class Watched:
     rate_in_time: np.ndarray  # (n,)
     normal_in_time: np.ndarray
     rubbed: Rubbed | None = None
+    slack: np.ndarray | None = None  # (n,) forces of contacts that may be rounding
+    slips: np.ndarray | None = None  # of rigid contacts with friction, 0 where it may be rounding
+
+
+class Blow(NamedTuple):
+    """What rigid contacts do at an instant."""
+
+    z: np.ndarray  # (ny, 1 + k) after it
+    along: np.ndarray  # (ny,) how y after it changes along the motion before
+    shut: dict[int, bool]  # by contact: it lasts
+    slide: dict[int, float]  # and slips in this sense; 0: it sticks
+    impulse: dict[int, float]  # [N s or N m s]
+    sound: float  # 1: there is one solution, 0: none or several; below: too many take part, see `recorded_rigid.Struck`
+
+
+class Leaving(NamedTuple):
+    """A rigid contact without a force."""
+
+    rise: float  # rate of its gap [m/s or rad/s], 0 where it may be rounding
+    bend: float  # and of that
+    slip: float  # [m/s], likewise
+
+    def low(self, height: float) -> bool:
+        """Whether it does not, or rises less than this."""
+        return self.rise <= 0.0 or (self.bend < 0.0 and self.rise**2 <= -2.0 * self.bend * height)
+
+
+def _none(x: np.ndarray, n: int) -> np.ndarray:
+    return np.full((n, *x.shape[1:]), np.nan)
 
 
 class Touching:
@@ -41,30 +73,46 @@ class Touching:
         graph, rubs = functions.model.graph, contacts.rubbing
         self.rubbing = None if rubs is None else Rubbing(functions, rubs, compile_function)
         joints = [] if self.are.rubbing is None else [self.are.rubbing.joints[n] for n in self.are.rubbing.rubs]
-        self.joints = (*self.are.joints, *joints)
-        self.rigid, self.by_force = (
-            np.append(x, np.zeros(len(joints), dtype=bool)) for x in (self.are.rigid, self.are.by_force)
-        )
-        self._watch = Linearised(graph, [*contacts.gap, *contacts.rate, *contacts.normal], compile_function)
-        self._impacts = {
-            n: [Linearised(graph, [*way.state, way.possible], compile_function) for way in ways]
-            for n, ways in contacts.impacts.items()
-        }
-        self.shut = np.zeros(self.count, dtype=bool)
-        self.released = np.zeros(self.count, dtype=bool)  # without force, but not apart yet
+        self.rough = np.flatnonzero(self.are.rigid & ~self.are.lasts)  # rigid contacts with friction
+        self.slides = self.contacts + len(joints)  # the first row of those
+        self.rows = self.slides + len(self.rough)
+        self.joints = (*self.are.joints, *joints, *(self.are.joints[n] for n in self.rough))
+        more = np.zeros(self.rows - self.contacts, dtype=bool)
+        self.rigid, self.by_force = np.append(self.are.rigid, more), np.append(self.are.by_force, more)
+        watched = [*contacts.gap, *contacts.rate, *contacts.normal]
+        if contacts.held is not None:
+            self._hold(contacts.held, compile_function)
+            watched += [contacts.reserve[n] for n in self.rough.tolist()]
+        self._watch = Linearised(graph, watched, compile_function)
+        self.shut = np.zeros(self.rows, dtype=bool)
+        self.slide = np.zeros(self.contacts)  # senses in which rigid contacts slip
+        self.released = np.zeros(self.rows, dtype=bool)  # without force, but not apart yet
         self.begin()
+
+    def _hold(self, held: HeldFunctions, compile_function: Compile) -> None:
+        """Functions of rigid contacts."""
+        self._places = [n for n in held.numbers if n < self.contacts and self.are.rigid[n]]
+        struck, graph = held.struck, self.functions.model.graph
+        told = [*struck.shut.values(), *struck.slide.values(), *struck.impulse.values(), struck.sound]
+        self._strike = Linearised(graph, [*struck.state, *told], compile_function)
+        rows = [held.numbers.index(n) for n in self._places]
+        columns = (held.calm, held.bend, held.faint, held.slip, held.tangent)
+        self._ends = Columns(graph, [column[row] for column in columns for row in rows], compile_function)
 
     def begin(self) -> None:
         """Let all contacts be open, as at the start of a motion."""
         self.shut[:] = self.released[:] = False
+        self.slide[:] = 0.0
         if self.rubbing is not None:
             self.rubbing.modes[:] = 0.0
         self._let_rest()
 
     def set(self, n: int, shut: bool, speed: float = 0.0, by_speed: np.ndarray | None = None) -> None:
-        """Let contact n be shut or open from now on."""
+        """Let contact n be shut or open; speed: at which it closed [m/s], of a rigid one the sense of its slip."""
         self.shut[n] = shut
-        self._tell(n, shut, speed, by_speed)
+        if self.rigid[n]:
+            self.slide[n] = speed
+        self._tell(n, float(shut), speed, by_speed)
         self._let_rest()
 
     def rub(self, modes: np.ndarray) -> None:
@@ -72,13 +120,13 @@ class Touching:
         assert self.rubbing is not None, "some rub"
         self.rubbing.modes = modes
         for place, mode in enumerate(modes.tolist()):
-            self._tell(self.contacts + place, True, mode)
+            self._tell(self.contacts + place, 1.0, mode)
 
-    def _tell(self, n: int, shut: bool, speed: float, by_speed: np.ndarray | None = None) -> None:
+    def _tell(self, n: int, shut: float, speed: float, by_speed: np.ndarray | None = None) -> None:
         """Set the constants of contact n."""
         parameters, count = self.functions.parameters, self.count
         constants, rates = parameters.constants.copy(), parameters.constant_rates.copy()
-        constants[len(constants) - 2 * count + n] = float(shut)
+        constants[len(constants) - 2 * count + n] = shut
         constants[len(constants) - count + n] = speed
         rates[len(rates) - count + n] = 0.0 if by_speed is None else by_speed
         self.functions.parameters = parameters._replace(constants=constants, constant_rates=rates)
@@ -92,38 +140,63 @@ class Touching:
         """Gaps, rates and forces at t [s] and z; rate: dy/dt (ny,)."""
         at = self.functions.directions(t, z, rate)
         values, slopes = self._watch(*at)
-        gap, speed, normal = values.reshape(3, -1)
-        by_gap, by_rate, by_normal = slopes.reshape(3, len(gap), at[1].shape[1])
+        whole = 3 * self.contacts
+        gap, speed, normal = values[:whole].reshape(3, -1)
+        by_gap, by_rate, by_normal = slopes[:whole].reshape(3, len(gap), at[1].shape[1])
         seen = Watched(
             gap, speed, normal, by_gap[:, :-1], by_rate[:, :-1], by_normal[:, :-1], by_rate[:, -1], by_normal[:, -1]
         )
-        return seen if self.rubbing is None else _with_rubbed(seen, self.rubbing.seen(t, z, rate))
+        if self.rubbing is not None:
+            rubbed = self.rubbing.seen(t, z, rate)
+            seen = _followed(seen, rubbed.left, rubbed.by_left, rubbed.left_in_time)
+            seen.rubbed = rubbed
+        if len(self.rough):
+            left, by_left = np.where(self.shut[self.rough], values[whole:], 1.0), slopes[whole:]
+            by_left = np.where(self.shut[self.rough, None], by_left, 0.0)
+            seen = _followed(seen, left, by_left[:, :-1], by_left[:, -1])
+        if self.are.rigid.any():
+            _, _, faint, slip, _ = self._at_ends(t, z)
+            seen.slack, seen.slips = np.zeros(self.rows), np.zeros(self.rows)
+            seen.slack[self._places], seen.slips[self._places] = faint, slip
+        return seen
 
-    def impact(
-        self, n: int, t: float, z: np.ndarray, rate: np.ndarray, rebounds: bool = True
-    ) -> tuple[np.ndarray, np.ndarray] | None:
-        """z (ny, 1 + k) after an impact of contact n, and how y after it changes along the motion before (ny,).
+    def _at_ends(self, t: float, z: np.ndarray) -> np.ndarray:
+        """(5, n) of rigid contacts: rise, bend, force that may be rounding, slip, tangential force."""
+        return self._ends(self.functions.inputs(t, z[:, 0])[:, None]).reshape(5, -1)
 
-        None if none of its ways is possible, or several that differ.  rebounds: False for the last one of a contact
-        that stays shut.
-        """
-        x, along = self.functions.directions(t, z, rate)
-        ways, possible = self._impacts[n], []
-        if self.are.lasts[n]:
-            ways = ways[:1] if rebounds else ways[1:]
-        for way in ways:
-            values, slopes = way(x, along)
-            if values[-1] == 1.0:
-                possible.append((np.column_stack([values[:-1], slopes[:-1, :-1]]), slopes[:-1, -1]))
-        return possible[0] if len(possible) == 1 else None
+    def leaving(self, t: float, z: np.ndarray) -> dict[int, Leaving]:
+        """How rigid contacts leave, which have no forces."""
+        rise, bend, _, slip, _ = self._at_ends(t, z).tolist()
+        return {n: Leaving(*row) for n, *row in zip(self._places, rise, bend, slip, strict=True)}
+
+    def broken(self, t: float, z: np.ndarray) -> dict[int, float]:
+        """The senses in which rigid contacts that stick begin to slip."""
+        *_, tangent = self._at_ends(t, z).tolist()
+        return {n: 1.0 if force > 0.0 else -1.0 for n, force in zip(self._places, tangent, strict=True)}
+
+    def struck(self, codes: Mapping[int, float], t: float, z: np.ndarray, rate: np.ndarray) -> Blow:
+        """What rigid contacts do that hit or decide, codes by contact; rate: dy/dt (ny,) before."""
+        before = self.functions.parameters
+        for n, code in codes.items():
+            self._tell(n, code, float(self.slide[n]))
+        values, slopes = self._strike(*self.functions.directions(t, z, rate))
+        self.functions.parameters = before
+        ny, count = len(z), len(self._places)
+        shut, slide, impulse = (
+            dict(zip(self._places, row, strict=True)) for row in values[ny:-1].reshape(3, count).tolist()
+        )
+        after = np.column_stack([values[:ny], slopes[:ny, :-1]])
+        return Blow(after, slopes[:ny, -1], {n: x > 0.5 for n, x in shut.items()}, slide, impulse, float(values[-1]))
 
 
-def _with_rubbed(seen: Watched, rubbed: Rubbed) -> Watched:
-    """Contacts, and joints that rub after them."""
-    none, nones = (np.full(x.shape, np.nan) for x in (rubbed.left, rubbed.by_left))
-    return Watched(
-        np.concatenate([seen.gap, rubbed.left]), np.concatenate([seen.rate, rubbed.left_in_time]),
-        np.concatenate([seen.normal, none]), np.concatenate([seen.by_gap, rubbed.by_left]),
-        np.concatenate([seen.by_rate, nones]), np.concatenate([seen.by_normal, nones]),
-        np.concatenate([seen.rate_in_time, none]), np.concatenate([seen.normal_in_time, none]), rubbed,
+def _followed(seen: Watched, left: np.ndarray, by_left: np.ndarray, left_in_time: np.ndarray) -> Watched:
+    """Contacts, and after them what is left of modes."""
+    n = len(left)
+    return replace(
+        seen, gap=np.concatenate([seen.gap, left]), rate=np.concatenate([seen.rate, left_in_time]),
+        normal=np.concatenate([seen.normal, _none(seen.normal, n)]), by_gap=np.concatenate([seen.by_gap, by_left]),
+        by_rate=np.concatenate([seen.by_rate, _none(seen.by_rate, n)]),
+        by_normal=np.concatenate([seen.by_normal, _none(seen.by_normal, n)]),
+        rate_in_time=np.concatenate([seen.rate_in_time, _none(seen.rate_in_time, n)]),
+        normal_in_time=np.concatenate([seen.normal_in_time, _none(seen.normal_in_time, n)]),
     )  # fmt: skip

@@ -1,0 +1,107 @@
+"""Derivatives through rigid contacts that rest, stick and slip, several at once: closed forms, differences of runs."""
+
+import math
+
+import pytest
+
+import rattle as rt
+from balls import G
+from blocks import against_a_wall, block
+from rattle.trace.recorded_rigid import SLOTS
+
+FINE = {"rtol": 1e-11, "atol": 1e-14}
+PUSH = '[loads.push]\ntype = "force"\nat = "block.C"\n'
+
+
+def slopes(m, outputs, parameters, t):
+    s = m.sensitivity(outputs, parameters, [0.0, t], **FINE)
+    assert s.success, s.message
+    return {(of, to): s[f"d({of})/d({to})"][-1] for of in outputs for to in parameters}
+
+
+def differences(m, outputs, name, t, step=1e-6):
+    """The same slopes by differences of runs."""
+    here = float(m.parameters[name])
+    h = step * abs(here)
+    asked = [of if "(" in of else f"final({of})" for of in outputs]
+    found = m.many({name: [here - h, here + h]}, asked, t_end=t, **FINE)
+    return {(of, name): (found[key][1] - found[key][0]) / (2 * h) for of, key in zip(outputs, asked, strict=True)}
+
+
+def assert_alike(m, outputs, names, t, rel=1e-6, floor=1e-7):
+    got = slopes(m, outputs, names, t)
+    for name in names:
+        for key, want in differences(m, outputs, name, t).items():
+            assert got[key] == pytest.approx(want, rel=rel, abs=floor), key
+
+
+def test_a_block_slides_to_rest():
+    found = slopes(rt.loads(block()), ["block.x", "block.vx"], ["mu", "v"], 1.0)
+    mu, v = 0.3, 1.0
+    assert found["block.x", "v"] == pytest.approx(v / (mu * G), rel=1e-9)
+    assert found["block.x", "mu"] == pytest.approx(-(v**2) / (2 * mu**2 * G), rel=1e-9)
+    assert found["block.vx", "v"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_block_that_is_pushed_breaks_away():
+    """m x'' = F t - mu m g from t = mu m g/F on."""
+    text = block(PUSH + 'force = ["F*t", 0]\n', vx="0").replace("F = 0.0", "F = 20.0")
+    found = slopes(rt.loads(text), ["block.x", "block.vx"], ["mu", "F"], 0.6)
+    m, mu, F, t = 2.0, 0.3, 20.0, 0.6
+    late = t - mu * m * G / F
+    by_mu = -m * G / F  # of `late`; by F it is mu m g/F^2
+    assert found["block.x", "mu"] == pytest.approx(F * late**2 / (2 * m) * by_mu, rel=1e-8)
+    assert found["block.vx", "mu"] == pytest.approx(F * late / m * by_mu, rel=1e-8)
+    by_F = late**3 / (6 * m) + F * late**2 / (2 * m) * mu * m * G / F**2
+    assert found["block.x", "F"] == pytest.approx(by_F, rel=1e-8)
+
+
+def test_a_block_that_is_shaken_sticks_and_slips():
+    text = block(PUSH + 'force = ["F*sin(20*t)", 0]\n', vx="0").replace("F = 0.0", "F = 20.0")
+    assert_alike(rt.loads(text), ["block.x", "block.vx"], ["mu", "F"], 0.7)
+
+
+def test_a_block_falls_flat_and_bounces():
+    low = block().replace("y = 0.1", "y = 0.15").replace("restitution = 0,", "restitution = 0.4,")
+    assert_alike(rt.loads(low), ["block.x", "block.y", "time(floor.contacts, 1)"], ["mu", "v"], 0.5)
+
+
+def test_three_contacts_with_friction_at_once():
+    m = rt.loads(against_a_wall()).set(v=2.0)
+    assert len(m.system.arrays["contact"]) > SLOTS
+    found = slopes(m, ["block.x", "time(wall.contacts, 1)"], ["mu", "v"], 0.3)
+    mu, v, way = 0.3, 2.0, 0.3
+    root = math.sqrt(v**2 - 2 * mu * G * way)
+    t = (v - root) / (mu * G)
+    assert found["block.x", "mu"] == pytest.approx(0.0, abs=1e-9)
+    assert found["block.x", "v"] == pytest.approx(0.0, abs=1e-9)
+    assert found["time(wall.contacts, 1)", "v"] == pytest.approx(-t / root, rel=1e-9)
+    assert found["time(wall.contacts, 1)", "mu"] == pytest.approx(G * t**2 / (2 * root), rel=1e-9)
+
+
+@pytest.mark.parametrize(("name", "t"), [("c", 0.012), ("e", 0.02), ("mu", 0.02)])
+def test_a_block_in_its_guide_bounces_to_rest_on_both_corners(name, t):
+    assert_alike(rt.example("guide_play"), ["crank.angle", "slider.y", "time(guide.contacts, 1)"], [name], t)
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson", "energetic"])
+def test_what_hits_while_another_contact_lasts(law):
+    """The block rests on the floor with a foot while its other end falls; mu makes it slip or stick there."""
+    text = block().replace("y = 0.1, angle = 0,", "y = 0.2, angle = 0.3,").replace('vx = "v"', "vx = 0")
+    text = text.replace("restitution = 0,", f'restitution = 0.2, restitution_law = "{law}",')
+    outputs = ["block.x", "block.y", "block.angle", "time(floor.contacts, 1)"]
+    assert_alike(rt.loads(text), outputs, ["mu"], 0.16, rel=1e-5)
+
+
+def test_from_a_start_that_a_parameter_moves_off_its_wall_there_is_no_derivative():
+    text = block().replace("y = 0.1,", 'y = "h",').replace("F = 0.0", "F = 0.0, h = 0.1")
+    s = rt.loads(text).sensitivity(["block.x"], ["h"], [0.0, 0.1])
+    assert "bodies touch in floor at the start already" in s.message
+
+
+def test_of_a_contact_at_which_the_answer_ends_that_is_said():
+    text = block().replace("y = 0.1,", 'y = "0.15 + h",').replace("F = 0.0", "F = 0.0, h = 0.0, w = 0.0")
+    text = text.replace("omega = 0", 'omega = "w"')
+    s = rt.loads(text).sensitivity(["time(floor.contacts, 1)"], ["w"], [0.0, 0.2])
+    assert "several contacts begin or end there at once" in s.message
+    assert any(note.startswith("time(floor.contacts, 1) is not known: derivatives end at t") for note in s.trust.notes)
