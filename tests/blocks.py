@@ -40,3 +40,23 @@ contact = {{ model = "impact", restitution = 0, friction = "mu", restitution_law
     text = block().replace("ground.points.O = [0, 0]\n", "").replace("Q = [0.2, -0.1]", "Q = [0.2, -0.1], R = [0.2, 0]")
     head, tail = text.replace("restitution = 0, ", f'restitution = 0, restitution_law = "{law}", ').split("[initial]")
     return head + wall + "[initial]" + tail
+
+
+def undamped():
+    """A block on a rail that is pushed to and fro between two springs without damping."""
+    return """
+format = 1
+parameters = { F = 10.0, M = 2.0, v = 0.39, d = 0.0 }
+ground.points.O = [0, 0]
+bodies.block = { points = { C = [0, 0] }, mass = "M", inertia = 1 }
+loads.push = { type = "force", at = "block.C", force = ["F*sin(7*t)", 0] }
+initial.block = { x = 0, vx = "v" }
+[joints.rail]
+type = "prismatic"
+connect = ["ground.O", "block.C"]
+axis = 0
+[joints.rail.stop]
+min = -0.15
+max = 0.12
+contact = { model = "hertz", stiffness = 2e4, exponent = 1, damping = "d" }
+"""

@@ -162,15 +162,15 @@ def rms_of(result: Curves, name: str) -> float:
 def extreme(t: np.ndarray, values: np.ndarray) -> tuple[float, float]:
     """Maximum of a sampled curve (its unit) and its time [s], interpolated if the curve is smooth there.
 
-    t: (n,) increasing [s].  The polynomial through the five samples around the largest must also fit the two beside
-    them; at kinks, jumps and poles it does not, and the largest sample is returned.
+    t: (n,) increasing [s], the same one on both sides of a jump.  The polynomial through the five samples around the
+    largest must also fit the two beside them; at kinks, jumps and poles it does not, and the largest sample is returned.
     """
     finite = np.isfinite(values)
     if not finite.any():
         return math.nan, math.nan
     k = int(np.argmax(np.where(finite, values, -math.inf)))
     best = (float(values[k]), float(t[k]))
-    if not 3 <= k < len(t) - 3 or not finite[k - 3 : k + 4].all():
+    if not 3 <= k < len(t) - 3 or not finite[k - 3 : k + 4].all() or not (np.diff(t[k - 3 : k + 4]) > 0.0).all():
         return best
     near, wide = values[k - 3 : k + 4] - values[k], float(np.ptp(values[k - 3 : k + 4]))
     x = (t[k - 3 : k + 4] - t[k]) / (t[k + 1] - t[k])

@@ -99,7 +99,7 @@ class Meeting:
         for k, n in enumerate(self.meets.held):  # one that pushes again, and a clutch that takes
             if n < self.meets.n:
                 again = (self.met.spent[k] > 0.0) & apply("not", self.shut[n])
-                begins[n] = begins[n] | again
+                begins[n] = begins[n] | (again if n in self.meets.rigid else again & self._is_inside(n))
         for n in range(self.meets.n):
             if n not in self.meets.rigid:  # it is shut from the start on
                 begins[n] = begins[n] | (at_first & self.shut[n])
@@ -302,13 +302,17 @@ class Meeting:
         begins = near & (code < 0.5)
         after = select(code > 0.5, 0.0, 1.0)
         if n in self.meets.held:
-            again = self.met.spent[self.meets.held.index(n)] > 0.0
+            again = (self.met.spent[self.meets.held.index(n)] > 0.0) & self._is_inside(n)
             after = select(self.shut[n] & (self.ends.gap[n] < 0.0), RELEASED, after)
             pressed = select(code > PRESSED, AGAIN, SHUT)
             after, near, begins = select(again, pressed, after), near | again, begins | again
             code = select((code > SHUT) & (code < PRESSED), SHUT, code)
         speed = select(begins, largest(-self.ends.rate[n], 0.0), self.touch.speed[n])
         return select(near, after, code), speed
+
+    def _is_inside(self, n: int) -> Flag:
+        """Whether a contact is in its wall, and not only by rounding on its way out."""
+        return (self.ends.gap[n] < -MISSED * self.late * abs(self.ends.rate[n])) | bool(self.meets.table[n, at.LEVEL])
 
     def _is_soft_clutch(self, n: int) -> bool:
         return bool(self.meets.table[n, at.LEVEL]) and n not in self.meets.rigid

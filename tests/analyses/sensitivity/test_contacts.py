@@ -7,6 +7,7 @@ import pytest
 
 import rattle as rt
 from balls import G, ball
+from blocks import undamped
 from rattle.errors import InputError, ModelError, TraceError
 from rattle.questions.sensitivity.effects import effects
 
@@ -340,3 +341,12 @@ def test_contacts_begin_at_their_instants_whatever_the_model_steps_by():
     for kind, key in (("time", "t"), ("speed", "normal_speed")):
         wanted = (getattr(hits[0], key) - getattr(hits[1], key)) / (2 * step)
         assert s[f"d({kind}(B.contacts, 1))/d(l1)"][0] == pytest.approx(wanted, rel=1e-5)
+
+
+def test_a_contact_whose_force_ends_just_where_its_gap_does_begins_again():
+    """A spring without damping on both sides: each push of a stop ends at its place."""
+    m = rt.loads(undamped())
+    found = slopes(m, ["block.x"], ["M"], [0.0, 1.2])
+    h = 1e-6
+    off = np.diff(m.many({"M": [2.0 - h, 2.0 + h]}, ["final(block.x)"], t_end=1.2, **FINE)["final(block.x)"])
+    assert found["block.x", "M"][-1] == pytest.approx(off[0] / (2 * h), rel=1e-6)

@@ -105,3 +105,19 @@ def test_of_a_contact_at_which_the_answer_ends_that_is_said():
     s = rt.loads(text).sensitivity(["time(floor.contacts, 1)"], ["w"], [0.0, 0.2])
     assert "several contacts begin or end there at once" in s.message
     assert any(note.startswith("time(floor.contacts, 1) is not known: derivatives end at t") for note in s.trust.notes)
+
+
+@pytest.mark.parametrize("name", ["mu", "e", "F"])
+def test_numbers_of_a_curve_that_jumps_at_an_instant_that_stays(name):
+    """The first corner hits whatever mu and F are; rows beside that instant do not pass it."""
+    text = (
+        block(PUSH + 'force = ["F*sin(5*t)", 0]\n').replace("F = 0.0", "F = 2.0, e = 0.6").replace("v = 1.0", "v = 0.1")
+    )
+    text = text.replace("restitution = 0,", 'restitution = "e",').replace(
+        "y = 0.1, angle = 0,", "y = 0.3, angle = 0.2,"
+    )
+    m = rt.loads(text)
+    found = slopes(m, ["integral(block.vx)", "block.x", "max(block.vx)"], [name], 0.5)
+    assert found["integral(block.vx)", name] == pytest.approx(found["block.x", name], rel=1e-7, abs=1e-9)
+    want = differences(m, ["max(block.vx)"], name, 0.5)
+    assert found["max(block.vx)", name] == pytest.approx(want["max(block.vx)", name], rel=1e-5, abs=1e-7)

@@ -4,9 +4,10 @@
     Y+ = r_y Y- + r_p + (r_t + r_y f- - f+) t*_p                                          (saltation)
 
 A compliant contact begins with r = y, and its speed v0 = -g' is a constant of its laws from there on, with
-v0_p = -(g'_y Y- + g'_p) - (dg'/dt) t*_p;  it ends where its gap opens, or its force does.  Rigid contacts hit, and go on
-sticking, slipping or apart, as `trace.recorded_rigid` has it for lanes: r is its formula in the modes that fit.  While
-one sticks g is what is left of its friction, mu N - |T|; while it slips, its slip.  The largest force of a contact changes as the force at that instant does.
+v0_p = -(g'_y Y- + g'_p) - (dg'/dt) t*_p;  it ends where its gap opens, or its force does.  Rigid contacts hit, and go
+on sticking, slipping or apart, as `trace.recorded_rigid` has it for lanes: r is its formula in the modes that fit.
+While one sticks g is what is left of its friction, mu N - |T|; while it slips, its slip.  The largest force of a
+contact changes as the force at that instant does.
 
 Source: Ivanov, Stability of periodic motions with impacts, in: Impacts in Mechanical Systems, Springer (2000);
 Leine, Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems (2004), chapter 7.
@@ -149,18 +150,19 @@ class ContactMotion(Motion):
                 (touching.slide[rough] == 0.0) | (before.slips != 0.0)[rough] | (after.slips != 0.0)[rough]
             )
         begins = ~touching.shut & ~touching.released & closes
-        opens = touching.shut & ~by_force & (after.gap > 0.0) & ((before.gap < 0.0) | (after.rate > 0.0))
+        opens = touching.shut & ~touching.rigid & (after.gap > 0.0) & ((before.gap < 0.0) | (after.rate > 0.0))
         pulls = touching.shut & by_force & (after.normal < -slack) & (after.normal_in_time < 0.0)
         return np.flatnonzero(begins | opens | pulls)
 
-    def _ends_by_force(self, n: int) -> bool:
-        """Whether what contact n waits for is the end of its force, not that of its gap."""
-        return bool(self.touching.shut[n] and self.touching.by_force[n])
+    def _ends_by_force(self, n: int, after: Watched) -> bool:
+        """Whether what contact n waits for is the end of its force, not that of its gap: that comes first if any."""
+        touching = self.touching
+        return bool(touching.shut[n] and touching.by_force[n] and (touching.rigid[n] or after.gap[n] <= 0.0))
 
     def _overshoot(self, n: int, after: Watched) -> float:
         """By how much the end of a step is beyond the begin or the end of a contact [s]."""
         value, rate = after.gap[n], after.rate[n]
-        if self._ends_by_force(n):
+        if self._ends_by_force(n, after):
             value, rate = after.normal[n], after.normal_in_time[n]
         return float(abs(value / rate)) if rate != 0.0 else 0.0
 
@@ -177,7 +179,7 @@ class ContactMotion(Motion):
 
     def _share(self, n: int, before: Watched, after: Watched, h: float) -> float:
         """Where in a step the gap, or the force, is zero: on the cubic through both ends."""
-        if self._ends_by_force(n):
+        if self._ends_by_force(n, after):
             ends = before.normal[n], before.normal_in_time[n], after.normal[n], after.normal_in_time[n]
         else:
             ends = before.gap[n], before.rate[n], after.gap[n], after.rate[n]
@@ -260,7 +262,7 @@ class ContactMotion(Motion):
     def _shift_of(self, n: int) -> np.ndarray:
         """(k,) derivatives of the present instant, at which row n turns."""
         seen, by, rate = self._seen, self._seen.by_gap, self._seen.rate
-        if self._ends_by_force(n):
+        if self._ends_by_force(n, seen):
             by, rate = seen.by_normal, seen.normal_in_time
         return np.asarray(-by[n] / rate[n] if rate[n] != 0.0 else np.full(by.shape[1], math.nan))
 

@@ -44,10 +44,10 @@ class Nearby:
         t, still = run.t_eval[: len(values)], np.zeros(slopes.shape[2])
         if read_off is None or not run.moments:
             return cls(t, np.tile(still, (len(t), 1)), values, slopes, *_contacts(run))
-        events = {moment.t: moment.shift for moment in run.moments if moment.shift is not None and moment.shift.any()}
+        events = {moment.t: moment.shift for moment in run.moments if moment.shift is not None}
         clear, at = CLEAR * MOVED * run.t_end, np.array(sorted(events))
-        fixed = np.flatnonzero(np.isin(t, read_off))
-        if (near := t[fixed][_distance(t[fixed], at) <= clear]).size:
+        fixed, moving = np.flatnonzero(np.isin(t, read_off)), np.array([time for time in at if events[time].any()])
+        if (near := t[fixed][_distance(t[fixed], moving) <= clear]).size:
             raise TraceError(f"no sensitivities: a contact begins or ends at t = {near[0]:.6g} s, which is read off")
         rows = [Moment(t[n], values[n], slopes[n], np.zeros(len(values[n])), still) for n in fixed]
         rows += [row for row in run.moments if row.shift is not None or _distance(row.t, at) > clear]
