@@ -163,7 +163,8 @@ def extreme(t: np.ndarray, values: np.ndarray) -> tuple[float, float]:
     """Maximum of a sampled curve (its unit) and its time [s], interpolated if the curve is smooth there.
 
     t: (n,) increasing [s], the same one on both sides of a jump.  The polynomial through the five samples around the
-    largest must also fit the two beside them; at kinks, jumps and poles it does not, and the largest sample is returned.
+    largest must also fit the two beside them; at kinks, jumps and poles it does not, and the largest sample is
+    returned.
     """
     finite = np.isfinite(values)
     if not finite.any():
