@@ -121,3 +121,42 @@ def test_numbers_of_a_curve_that_jumps_at_an_instant_that_stays(name):
     assert found["integral(block.vx)", name] == pytest.approx(found["block.x", name], rel=1e-7, abs=1e-9)
     want = differences(m, ["max(block.vx)"], name, 0.5)
     assert found["max(block.vx)", name] == pytest.approx(want["max(block.vx)", name], rel=1e-5, abs=1e-7)
+
+
+RAIL = """
+format = 1
+parameters = { mu = 0.3, v = 0.0, F = 20.0, t1 = 0.2 }
+gravity = [0, -9.81]
+ground.points.O = [0, 0]
+bodies.block = { points = { C = [0, 0] }, mass = 2, inertia = 1 }
+initial.block = { x = 0, y = 0, angle = 0, vx = "v", vy = 0, omega = 0 }
+[joints.rail]
+connect = ["ground.O", "block.C"]
+axis = 0
+"""
+RESTS = {
+    "joint": RAIL.replace("y = 0, angle = 0, ", "").replace(", vy = 0, omega = 0", "")
+    + 'type = "prismatic"\nfriction = { model = "coulomb", mu = "mu" }\n',
+    "contact": RAIL + 'type = "surface"\ncontact = { model = "impact", restitution = 0, friction = "mu" }\n',
+    "block": block(vx="0").replace("F = 0.0", "F = 20.0, t1 = 0.2"),
+}
+
+
+@pytest.mark.parametrize("rests", RESTS)
+def test_what_rests_is_pushed_away_where_a_load_jumps(rests):
+    """x'' = F/m - mu g from t1 on."""
+    m = rt.loads(RESTS[rests] + PUSH + 'force = ["F*(0.2 + 0.8*step(t - t1))", 0]\n')
+    found = slopes(m, ["block.x", "block.vx"], ["t1", "F", "mu"], 0.5)
+    a, late = 10.0 - 0.3 * G, 0.3
+    assert found["block.vx", "t1"] == pytest.approx(-a, rel=1e-9)
+    assert found["block.x", "t1"] == pytest.approx(-a * late, rel=1e-9)
+    assert found["block.x", "F"] == pytest.approx(late**2 / 4, rel=1e-9)
+    assert found["block.x", "mu"] == pytest.approx(-G * late**2 / 2, rel=1e-9)
+
+
+def test_what_rests_is_lifted_where_a_load_jumps():
+    text = block(PUSH + 'force = [0, "-F + 80*step(t - t1)"]\n').replace("F = 0.0", "F = 20.0, t1 = 0.1")
+    found = slopes(rt.loads(text), ["block.x", "block.y"], ["t1", "F"], 0.3)
+    assert found["block.y", "t1"] == pytest.approx(-(30.0 - G) * 0.2, rel=1e-9)
+    assert found["block.y", "F"] == pytest.approx(-(0.2**2) / 4, rel=1e-9)
+    assert found["block.x", "F"] == pytest.approx(-0.15 * (0.1**2 / 2 + 0.1 * 0.2), rel=1e-8)

@@ -263,11 +263,11 @@ def lane_model(model: RecordedModel, asked: Asked, compile_function: Compile, st
     return Model(
         ny, met.inputs + len(prepared), len(curves), 6 * nb, controlled, begin, rate, None, row,
         (first, first + 1, first + 2, first + 3, first + 4), watch[0] if watch else None, watched, arrive,
-        *_weight(model.system), met.meets(late, written[5], touched, half, strike),
+        *weight(model.system), met.meets(late, written[5], touched, half, strike),
     )  # fmt: skip
 
 
-def _weight(system: System) -> tuple[float, float]:
+def weight(system: System) -> tuple[float, float]:
     """Energy of lifting a mechanism by its size [J], and its mass [kg]."""
     mass, gravity = system.arrays["mass"][:, 0].astype(float), system.arrays["gravity"].astype(float)
     return float(mass.sum() * np.hypot(*gravity) * system.size), float(mass.sum())

@@ -229,7 +229,7 @@ class ContactMotion(Motion):
     # ---------------------------------------------------------------- contacts
     def _meet(self, hit: np.ndarray) -> None:
         """What begins or ends at the present instant."""
-        touching, seen, n = self.touching, self._seen, int(hit[0])
+        touching, n = self.touching, int(hit[0])
         rubs = bool(((hit >= touching.contacts) & (hit < touching.slides)).all())
         rigid = bool(((hit >= touching.slides) | touching.rigid[hit]).all())
         begins = touching.rigid[hit] & ~touching.shut[hit]
@@ -251,13 +251,31 @@ class ContactMotion(Motion):
             self._end(n, shift)
         else:
             self._start(n, shift)
-        if seen.rubbed is not None and not self.message:  # forces have jumped
-            self._settle(shift)
+        if not rigid and not self.message:
+            self._follow_forces(shift)
         if not self.message:
             self._keep_moment(shift)
             self.h, self._near = RESTART * self.t_end, 0
             self.switched += 1
             self._limit_steps()
+
+    def _bears(self) -> bool:
+        return self.touching.rubbing is not None or bool((self.touching.shut & self.touching.rigid).any())
+
+    def _follow_switch(self, shift: np.ndarray) -> bool:
+        before = self.touching.modes
+        self._seen = self._look(self.t, self.z, self._rates)
+        self._follow_forces(shift)
+        self._limit_steps()
+        return not np.array_equal(before, self.touching.modes)
+
+    def _follow_forces(self, shift: np.ndarray) -> None:
+        """Forces have jumped: rigid contacts that last, and joints that rub, may go on otherwise."""
+        those = np.flatnonzero(self.touching.shut & self.touching.rigid).tolist()
+        if those:
+            self._decide(those, shift)
+        if self._seen.rubbed is not None and not self.message:
+            self._settle(shift)
 
     def _shift_of(self, n: int) -> np.ndarray:
         """(k,) derivatives of the present instant, at which row n turns."""

@@ -18,13 +18,15 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle.analyses.dynamics import run as runs
+from rattle.analyses.straight_line.lane_model import weight
 from rattle.equations.state import state_layout
 from rattle.questions.sensitivity.functions import Functions, Rates
 from rattle.questions.sensitivity.step import POWER, Step, Tolerance, try_step
 from rattle.solvers.step_size import SAFETY, longer, shorter
 
 ENERGY = 1e-3  # share of the largest energy that may be unaccounted for, as for adaptive steppers
-OF_POTENTIAL = 1e-9  # share of the potential energy that counts as turned over: a mechanism at rest turns nothing over
+OF_POTENTIAL = 1e-9  # share of the potential energy, and of that of lifting a mechanism by its size, that counts as
+# turned over: one at rest turns nothing over
 ROUNDING = 1e-14  # share of the potential energy that its sum is rounded by: no error of the motion
 FIRST = 1e-2  # first step: of the run, and of the time in which the start would move by the size of the mechanism
 RESTART = 1e-6  # first step after a switch, as a share of the run: longer ones follow if that was too careful
@@ -65,6 +67,7 @@ class Motion:
         self.balance, self.share = 0.0, 0.0  # largest energy error [J], and as a share of the largest energy
         self.steps = self.rejected = self.switched = 0
         self.wall = 0.0
+        self._lifting = weight(system)[0]  # [J]
         self._longest = math.inf  # step that shows all that happens [s]
         self._near = 0  # steps that must not become longer, because a switch was found ahead
         self._turnover = np.array([0.0, math.inf, -math.inf, 0.0])  # kinetic, least and most potential, work [J]
@@ -168,12 +171,16 @@ class Motion:
         shift = np.zeros(z.shape[1] - 1)  # a kink moves on nothing
         jump = before.values[:, 0] - after.values[:, 0]
         scale = max(np.abs(before.values[:, 0]).max(), np.abs(after.values[:, 0]).max())
-        if np.abs(jump).max() > ALIKE * scale:
+        jumps, trouble = bool(np.abs(jump).max() > ALIKE * scale), ""
+        if jumps or self._bears():
             moved = self._shift(before, after)
-            if moved is None:
+            if moved is None and jumps:
                 return
-            shift = moved
-            beyond[:, 1:] += jump[:, None] * shift
+            if moved is None:
+                trouble, self.message = self.message, ""
+            else:
+                shift = moved
+                beyond[:, 1:] += jump[:, None] * shift
         self._keep_moment(shift)
         self.z, sound = self.functions.projected(t + ahead, beyond)
         self._rates = self.functions.rates(t + ahead, self.z)
@@ -182,7 +189,19 @@ class Motion:
             return
         self.t, self.h, self._near = t + ahead, RESTART * self.t_end, 0
         self.switched += 1
-        self._keep_moment(shift, t)
+        if self._follow_switch(shift) and not self.message:
+            self.message = trouble
+        if not self.message:
+            self._keep_moment(shift, t)
+
+    def _bears(self) -> bool:
+        """Whether what rests may go on otherwise where forces jump."""
+        return False
+
+    def _follow_switch(self, shift: np.ndarray) -> bool:
+        """Whether something goes on otherwise where an expression has switched; shift: (k,) derivatives of that
+        instant."""
+        return False
 
     def _shift(self, before: Rates, after: Rates) -> np.ndarray | None:
         """(k,) derivatives of the instant of the switch [s] by the parameters; None, with a message, if it has none."""
@@ -252,7 +271,7 @@ class Motion:
         most, done = max(most, kinetic), max(done, abs(work))
         low, high = min(low, potential), max(high, potential)
         self._turnover[:] = most, low, high, done
-        turnover = max(most, done, high - low) + OF_POTENTIAL * abs(potential)
+        turnover = max(most, done, high - low) + OF_POTENTIAL * (abs(potential) + self._lifting)
         share = max(0.0, abs(balance) - ROUNDING * max(abs(low), abs(high))) / turnover if turnover > 0.0 else 0.0
         self.balance, self.share = max(self.balance, abs(float(balance))), max(self.share, float(share))
         if not share <= ENERGY:

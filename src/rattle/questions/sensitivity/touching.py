@@ -115,6 +115,11 @@ class Touching:
         self._tell(n, float(shut), speed, by_speed)
         self._let_rest()
 
+    @property
+    def modes(self) -> np.ndarray:
+        """What contacts and joints are at present."""
+        return np.concatenate([self.shut, self.slide, [] if self.rubbing is None else self.rubbing.modes])
+
     def rub(self, modes: np.ndarray) -> None:
         """Let joints that rub have these modes from now on."""
         assert self.rubbing is not None, "some rub"
