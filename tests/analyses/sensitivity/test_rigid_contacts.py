@@ -56,6 +56,7 @@ def test_a_block_that_is_pushed_breaks_away():
     assert found["block.x", "F"] == pytest.approx(by_F, rel=1e-8)
 
 
+@pytest.mark.long
 def test_a_block_that_is_shaken_sticks_and_slips():
     text = block(PUSH + 'force = ["F*sin(20*t)", 0]\n', vx="0").replace("F = 0.0", "F = 20.0")
     assert_alike(rt.loads(text), ["block.x", "block.vx"], ["mu", "F"], 0.7)
@@ -142,7 +143,7 @@ RESTS = {
 }
 
 
-@pytest.mark.parametrize("rests", RESTS)
+@pytest.mark.parametrize("rests", ["joint", "contact", pytest.param("block", marks=pytest.mark.long)])
 def test_what_rests_is_pushed_away_where_a_load_jumps(rests):
     """x'' = F/m - mu g from t1 on."""
     m = rt.loads(RESTS[rests] + PUSH + 'force = ["F*(0.2 + 0.8*step(t - t1))", 0]\n')
