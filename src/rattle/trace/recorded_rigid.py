@@ -471,16 +471,10 @@ class RigidContacts:
         """
         g, lasting = self._matrix(slots), what == LASTING
         pulls = [] if joints is None else self._pulls(m, slots)
-        options = [OFF, FORWARD] if not self.rough else [OFF, STICKS, FORWARD, BACKWARD]
-        if lasting:  # what rests without a force stays shut: it takes part in impacts
-            options = [*options[1:], OFF]
         mus = [slot.of(self._of(m, at.MU)) if self.rough else 0.0 for slot in slots]
         slides = [slot.of(dict(enumerate(self.slide))) if self.rough else 0.0 for slot in slots]
         tries = []
-        combinations: list[tuple[int, ...]] = list(itertools.product(options, repeat=len(slots)))
-        if len(slots) * self.width > 2 * SLOTS:  # what three hold by friction is not known: first those of few
-            combinations.sort(key=lambda modes: len(modes) - modes.count(OFF))
-        for combination in combinations:
+        for combination in self._combinations(len(slots), lasting):
             formula = functools.partial(self._forces, mus, combination)
             f, rubs, converged, problem = self._solved(m, slots, right, joints, what, formula)
             flags = [converged, *self._conditions(problem, slots, mus, slides, combination, f, lasting)]
@@ -492,6 +486,16 @@ class RigidContacts:
         forces, unique, modes = first(tries)
         return forces[:-1], forces[-1], unique, modes[:-1]
 
+    def _combinations(self, count: int, lasting: bool) -> list[tuple[int, ...]]:
+        """The modes of so many slots in the order in which they are tried."""
+        options = [OFF, FORWARD] if not self.rough else [OFF, STICKS, FORWARD, BACKWARD]
+        if lasting:  # what rests without a force stays shut: it takes part in impacts
+            options = [*options[1:], OFF]
+        combinations: list[tuple[int, ...]] = list(itertools.product(options, repeat=count))
+        if self.rough and count > SLOTS:  # what three hold by friction is not known: first those of few
+            combinations.sort(key=lambda modes: len(modes) - modes.count(OFF))
+        return combinations
+
     def _forces(self, mus: list[Operand], combination: Sequence[int], problem: _Problem) -> list[list[Operand]]:
         """N and T of each slot in these modes."""
         g, right, w = problem.g, problem.right, self.width
@@ -499,12 +503,7 @@ class RigidContacts:
                    if (mode != OFF and r == 0) or (mode == STICKS and r == 1)]  # fmt: skip
         rows = []
         for k, r in unknown:
-            row = [
-                g[w * k + r][w * j + s] + self._pull(combination[j], mus[j]) * g[w * k + r][w * j + 1]
-                if s == 0 and w == 2 and combination[j] in (FORWARD, BACKWARD)
-                else g[w * k + r][w * j + s]
-                for j, s in unknown
-            ]
+            row = [self._per_unit(g[w * k + r], j, s, combination[j], mus[j]) for j, s in unknown]
             loose = problem.loose[w * k + r]  # what joints hold bears nothing, and stays shut
             own = [1.0 if place == (k, r) else 0.0 for place in unknown]
             rows.append(
@@ -517,6 +516,12 @@ class RigidContacts:
             tangent = solution[k, 1] if mode == STICKS else self._pull(mode, mus[k]) * normal
             f.append([normal, tangent][:w])
         return f
+
+    def _per_unit(self, row: list[Operand], j: int, s: int, mode: int, mu: Operand) -> Operand:
+        """What a unit of N (s = 0) or T of slot j does, N with the friction of its slip."""
+        own = row[self.width * j + s]
+        slips = s == 0 and self.rough and mode in (FORWARD, BACKWARD)
+        return own + self._pull(mode, mu) * row[self.width * j + 1] if slips else own
 
     @staticmethod
     def _pull(mode: int, mu: Operand) -> Operand:
@@ -546,19 +551,20 @@ class RigidContacts:
             flags += [slots[k].taken, slots[k].loose[0], f[k][0] >= 0.0, abs(after[w * k]) <= close]
             if not self.rough:
                 continue
+            slide = slides[k] if lasting else 0.0
             if mode == STICKS:
                 flags += [abs(f[k][1]) <= (1.0 + SLIGHT) * mus[k] * f[k][0], slots[k].loose[1]]
-                flags.append(abs(after[w * k + 1]) <= close)
-                if lasting:
-                    flags.append(apply("equal", slides[k], 0.0))
-                continue
-            sense = 1.0 if mode == FORWARD else -1.0
-            away = sense * after[w * k + 1] >= 0.0
-            if lasting:
-                slipped = apply("not", apply("equal", slides[k], 0.0))
-                away = select_flag(slipped, sense * slides[k] > 0.0, away)
-            flags.append(away)
+                flags += [abs(after[w * k + 1]) <= close, apply("equal", slide, 0.0)]
+            else:
+                flags.append(self._slips_away(mode, after[w * k + 1], slide))
         return flags
+
+    @staticmethod
+    def _slips_away(mode: int, after: Operand, slide: Operand) -> Flag:
+        """Whether a slot slips in the sense of its mode, or is given to; after: its slip, or how that changes."""
+        sense = 1.0 if mode == FORWARD else -1.0
+        slipped = apply("not", apply("equal", slide, 0.0))
+        return select_flag(slipped, sense * slide > 0.0, sense * after >= 0.0)
 
     def _after(
         self, m: SimpleNamespace, y: np.ndarray, slots: list[_Slot], impulses: list[list[Operand]],

@@ -123,25 +123,35 @@ def sensitivity(
     times = _times(system, t_eval, analysis)
     arguments.require_room(len(times), len(outputs) * (1 + len(parameters)))
     of_contacts = contacts_in(system, outputs, analysis)
-    beside, crowded = 0.0, False
-    for _ in range(3):  # next to a singular position, and where many contacts take part, another record, where need be
+
+    def recorded(beside: float, crowded: bool) -> Asked:
         model = _recorded(document, system, begin, parameters, analysis == "simulate", beside, crowded)
-        asked = Asked(model, Parameters.of(model), outputs, times, rtol, atol, of_contacts)
-        numbers = numbers_in(model, outputs, of_contacts)
-        if numbers:
-            answer, units = _with_numbers(asked, numbers, analysis)
-        else:
-            answer, units = FIND[analysis](asked)
-        near, crowd = answer.message.endswith(UNSOUND), answer.message.endswith(CROWDED)
-        crowd = crowd and model.contacts is not None and model.contacts.are.may_crowd
-        if analysis != "simulate" or (not (near and not beside) and not (crowd and not crowded)):
-            break
-        beside, crowded = BESIDE if near else beside, crowded or crowd
+        return Asked(model, Parameters.of(model), outputs, times, rtol, atol, of_contacts)
+
+    asked, answer, units = _answered(recorded, analysis)
     answer.stats["wall_time"] = time.perf_counter() - began
     result = _result(asked, analysis, answer, units)
     if strict and answer.message:
         raise SolverError(answer.message, result)
     return result
+
+
+def _answered(recorded: Callable[[float, bool], Asked], analysis: str) -> tuple[Asked, Found, dict[str, str]]:
+    """The question and its answer; next to a singular position, and where many contacts take part, by another record.
+
+    recorded: the question by a record of the model, see `trace.recording.Recorder` for what it takes.
+    """
+    beside, crowded = 0.0, False
+    while True:
+        asked = recorded(beside, crowded)
+        numbers = numbers_in(asked.model, asked.outputs, asked.of_contacts)
+        answer, units = _with_numbers(asked, numbers, analysis) if numbers else FIND[analysis](asked)
+        contacts = asked.model.contacts
+        near = answer.message.endswith(UNSOUND) and beside == 0.0
+        crowd = answer.message.endswith(CROWDED) and not crowded and contacts is not None and contacts.are.may_crowd
+        if analysis != "simulate" or not (near or crowd):
+            return asked, answer, units
+        beside, crowded = BESIDE if near else beside, crowded or crowd
 
 
 # ---------------------------------------------------------------- the question

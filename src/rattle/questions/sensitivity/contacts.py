@@ -232,25 +232,19 @@ class ContactMotion(Motion):
         touching, n = self.touching, int(hit[0])
         rubs = bool(((hit >= touching.contacts) & (hit < touching.slides)).all())
         rigid = bool(((hit >= touching.slides) | touching.rigid[hit]).all())
-        begins = touching.rigid[hit] & ~touching.shut[hit]
-        shift = self._shift_of(n)
-        alike = rigid and (begins.all() or not begins.any())
-        alike = alike and all(self._is_alike(shift, self._shift_of(row)) for row in hit.tolist())
-        if len(hit) > 1 and not rubs and not alike:
+        if len(hit) > 1 and not rubs and not (rigid and self._are_one(hit)):
             names = ", ".join(dict.fromkeys(touching.joints[n] for n in hit))
             self.message = f"stopped at t = {self.t:.6g} s: several contacts begin or end there at once ({names})"
             return
+        shift = self._shift_of(n)
         self._keep_moment(shift)
         if rubs:
             self._turn(hit, shift)
-        elif rigid and begins.any():
-            self._collide(hit.tolist(), shift)
         elif rigid:
-            self._change(hit.tolist(), shift)
-        elif touching.shut[n]:
-            self._end(n, shift)
+            strikes = bool((touching.rigid[hit] & ~touching.shut[hit]).any())
+            (self._collide if strikes else self._change)(hit.tolist(), shift)
         else:
-            self._start(n, shift)
+            (self._end if touching.shut[n] else self._start)(n, shift)
         if not rigid and not self.message:
             self._follow_forces(shift)
         if not self.message:
@@ -258,6 +252,13 @@ class ContactMotion(Motion):
             self.h, self._near = RESTART * self.t_end, 0
             self.switched += 1
             self._limit_steps()
+
+    def _are_one(self, hit: np.ndarray) -> bool:
+        """Whether rigid contacts all begin, or all change, and at one instant whatever the parameters."""
+        begins = self.touching.rigid[hit] & ~self.touching.shut[hit]
+        shift = self._shift_of(int(hit[0]))
+        alike = all(self._is_alike(shift, self._shift_of(row)) for row in hit.tolist())
+        return alike and bool(begins.all() or not begins.any())
 
     def _bears(self) -> bool:
         return self.touching.rubbing is not None or bool((self.touching.shut & self.touching.rigid).any())
