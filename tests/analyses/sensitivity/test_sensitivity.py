@@ -7,6 +7,7 @@ import pytest
 
 import rattle as rt
 from rattle.errors import TraceError
+from rattle.questions.sensitivity.growth import growth
 from rattle.results.result import load_result
 
 nojit = pytest.mark.nojit
@@ -379,3 +380,21 @@ def test_a_length_moves_the_start_where_offsets_hold_the_pins_and_angles_are_gue
     s = m.sensitivity(["rocker.angle"], ["l2"], [0.0, 0.001])
     low, high = (m.set(l2=0.6 + step).start.q[8] for step in (-h, h))
     assert s["d(rocker.angle)/d(l2)"][0] == pytest.approx((high - low) / (2 * h), rel=1e-6)
+
+
+@nojit
+def test_what_rests_and_is_then_pushed_has_derivatives_that_do_not_grow_exponentially():
+    t = np.linspace(0.0, 1.0, 500)
+    late = np.maximum(t - 0.5, 0.0)
+    assert growth(t, 1e-17 + late**2) is None
+    assert growth(t, 1e-17 + (t >= 0.5)) is None
+    assert growth(t, np.exp(20.0 * t)).rate == pytest.approx(20.0, rel=1e-9)
+    assert growth(t, 10.0 ** np.floor(8.0 * t)).tenfold == pytest.approx(1 / 8, rel=0.2)  # by impacts
+
+
+@nojit
+def test_parameters_beside_one_that_decides_on_the_parts_have_derivatives():
+    m = rt.loads(rt.example("fourbar").to_toml().replace('min = "0.5 mm", ', "")).set(r3=0.0)
+    with pytest.raises(TraceError, match="leave it out: the others have derivatives"):
+        m.sensitivity(["rocker.angle"], ["r3", "l2"], [0.01])
+    assert np.isfinite(m.sensitivity(["rocker.angle"], ["l2"], [0.01])["d(rocker.angle)/d(l2)"]).all()

@@ -148,7 +148,7 @@ def _answered(recorded: Callable[[float, bool], Asked], analysis: str) -> tuple[
         answer, units = _with_numbers(asked, numbers, analysis) if numbers else FIND[analysis](asked)
         contacts = asked.model.contacts
         near = answer.message.endswith(UNSOUND) and beside == 0.0
-        crowd = answer.message.endswith(CROWDED) and not crowded and contacts is not None and contacts.are.may_crowd
+        crowd = CROWDED in answer.message and not crowded and contacts is not None and contacts.are.may_crowd
         if analysis != "simulate" or not (near or crowd):
             return asked, answer, units
         beside, crowded = BESIDE if near else beside, crowded or crowd
@@ -209,6 +209,7 @@ def _recorded(
             raise TraceError(
                 f"no sensitivities: at its value {value:g} '{name}' decides which parts the model has; any other value"
                 " makes another model"
+                + ("; leave it out: the others have derivatives" if len(model.parameters) > 1 else "")
             )
     return model
 

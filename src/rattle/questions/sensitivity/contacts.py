@@ -29,14 +29,14 @@ from rattle.questions.sensitivity.touching import Blow, Touching, Watched
 from rattle.solvers.nonsmooth.impacts import LOW, NOTICED
 from rattle.trace.lane_control import SHORT
 from rattle.trace.lane_turns import STUCK
-from rattle.trace.recorded_rigid import DECIDES, HITS
+from rattle.trace.recorded_rigid import DECIDES, HITS, MOST_SLOTS, SLOTS
 
 GRAZES = 1e-3  # share of the largest |g'| since the contact before, below which a contact only grazes
 ALMOST = 0.1  # share of the gap at both ends of a step by which its least value may be in doubt
 TRIES = 60  # of a landing by interpolation, before steps are halved
 PEAK_ROUNDS = 40  # of the search for a largest force, by halves
 MOST_MODES = 30  # of joints that rub, one after the other at one instant
-CROWDED = "more contacts take part at once than derivatives follow"
+CROWDED = "more rigid contacts take part at one instant than derivatives follow"
 UNMOVED = 1e-10  # share of the run by which a change of a parameter, as large as it is, moves an instant by rounding
 NOT_OPEN = 1e-12  # [m or rad] by which a contact may be shut at the start
 
@@ -369,7 +369,9 @@ class ContactMotion(Motion):
         """Whether what contacts do is known; a message if not, in words for their joints."""
         names = ", ".join(dict.fromkeys(self.touching.joints[n] for n in those))
         if blow.sound != 1.0:
-            why = f"{names} and others: {CROWDED}" if blow.sound < 0.0 else words.format(names)
+            most = f"{SLOTS}" if blow.sound == -1.0 else f"{MOST_SLOTS}, of energetic restitution one"
+            crowded = f"{names} and others: {CROWDED} ({most}); compare two runs with set()"
+            why = crowded if blow.sound < 0.0 else words.format(names)
             self.message = f"stopped at t = {self.t:.6g} s: {why}"
         return blow.sound == 1.0
 

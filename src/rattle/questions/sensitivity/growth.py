@@ -4,7 +4,8 @@ A regular motion separates from its neighbours in proportion to a power of time,
 
     ln |Y| = a + n ln t + lambda t,   n >= 0
 
-is fitted to the size |Y| of the derivatives of the positions.  The exponent itself: `m.lyapunov()`.
+is fitted to the size |Y| of the derivatives of the positions.  A body that rests and is then pushed has them all at
+once, which is no growth.  The exponent itself: `m.lyapunov()`.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from rattle.analyses.dynamics.horizon import AGREE
 SKIP = 0.2  # share of the run before the fit begins
 ENOUGH = 100.0  # growth beyond a power of time from which on it counts as exponential
 POINTS = 200  # of the fit, evenly spaced in time
+SPELLS, MOST_AT_ONCE = 20, 0.5  # of the fit, and the share of all growth beyond which that in one of them is a jump
 BENT = 0.1  # change of a position, in sizes of the mechanism or rad, up to which it counts as linear
 LOST = 10.0  # errors of a run are taken for those of a relative change of a parameter by so many tolerances
 
@@ -42,6 +44,9 @@ def growth(t: np.ndarray, size: np.ndarray) -> Growth | None:
         return None
     at = np.linspace(t[some][0], t[-1], POINTS)
     value = np.interp(at, t[some], np.log(size[some]))
+    rises = np.diff(value[:: POINTS // SPELLS])
+    if rises.max() > MOST_AT_ONCE * rises.sum():
+        return None
     terms = np.column_stack([np.ones_like(at), at, np.log(at)])
     _, rate, power = np.linalg.lstsq(terms, value, rcond=None)[0]
     if power < 0.0:
