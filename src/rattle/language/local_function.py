@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from rattle.language.bytecode import BENT, CONST, CURVE, JUMPS
 from rattle.language.expression import Apply, Name, Node, compile_program, replaced
-from rattle.language.local_jet import HEAD, function_jet
+from rattle.language.local_jet import HEAD, function_jets
 from rattle.language.syntax import CALL, walk
 from rattle.language.tables import Tables, tables_of
 
@@ -37,7 +37,8 @@ class LocalFunction(NamedTuple):
         """Values, first and second derivatives at numbers x [SI]: (3, *shape of x)."""
         p = np.array([1.0, *map(float, self.block)])
         points = np.asarray(x, dtype=float)
-        values = np.array([function_jet.python(p, 0, point) for point in points.ravel().tolist()])
+        values = np.empty((points.size, 3))
+        function_jets(p, 0, points.ravel(), values)
         return np.moveaxis(values.reshape(*points.shape, 3), -1, 0)
 
 

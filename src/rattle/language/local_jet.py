@@ -26,3 +26,10 @@ def function_jet(p, k, x):
             place = block + int(argument) if op in (CURVE, BENT) else 0
             top = operate_jet(op, 0, p, place, p, top)
     return p[top], p[top + 1], p[top + 2]
+
+
+@native("void", "v", "i", "v", "m")
+def function_jets(p, k, x, jets):
+    """The same at every number of x (n,), into the rows of jets (n, 3)."""
+    for n in range(x.shape[0]):
+        jets[n, 0], jets[n, 1], jets[n, 2] = function_jet(p, k, x[n])
