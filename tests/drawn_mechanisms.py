@@ -14,7 +14,7 @@ EXAMPLES = {  # time [s] up to which each runs: all forms of joints and loads ar
     "belt_drive": 0.5, "cam_lift_off": 0.02, "crank_rocker_play": 0.1, "door_closer": 1.0, "double_wishbone": 0.05,
     "excavator": 1.0, "gear_rattle": 0.02, "geneva": 0.4, "guide_play": 0.05, "jansen_leg": 0.4, "planetary": 0.2,
     "dominoes": 0.3, "ratchet": 0.3, "rimless_wheel": 0.5,
-    "rolling_cart": 0.5, "scissor_lift": 1.0, "scotch_yoke": 0.2, "slider_crank_play": 0.05,
+    "rolling_cart": 0.5, "scissor_lift": 1.0, "scotch_yoke": 0.2, "slider_crank_play": 0.005,
     "stick_slip": 0.5, "toggle": 0.01, "torque_converter": 0.1, "woodpecker": 0.05,
 }  # fmt: skip
 OWN = """

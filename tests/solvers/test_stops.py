@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from scipy.special import ellipkinc
+from scipy.special import beta, ellipkinc
 
 import rattle as rt
 from rattle.errors import AssemblyError, ModelError
@@ -295,3 +295,17 @@ def test_elastic_stop_of_a_joint_with_an_impact_pin_holds_a_rod_without_sinking_
     assert abs(r["hinge.stop"][-1]) == pytest.approx(9.81 * 0.5, abs=0.3 * 9.81 * 0.01)  # the pin may hold by friction
     assert -r["rod.angle"][-1] == pytest.approx(abs(r["hinge.stop"][-1]) / 1e3, rel=1e-6)
     assert abs(r["energy.balance"]).max() < 1e-7
+
+
+@pytest.mark.parametrize(("n", "off"), [(1.0, 3e-9), (1.5, 2e-7)])
+def test_a_block_knocks_to_and_fro_between_springs_at_the_instants_of_the_closed_form(n, off):
+    K, m, before, way, rtol = 2e5, 2.0, 0.12, 0.27, 1e-9
+    spring = f'{{ model = "hertz", stiffness = {K}, exponent = {n}, damping = 0 }}'
+    text = block(f"{{ min = -0.15, max = {before}, contact = {spring} }}", "x = 0, vx = 1").to_toml()
+    there_and_back = 2.0 / (n + 1.0) * beta(1.0 / (n + 1.0), 0.5)
+    for v in np.linspace(0.3, 2.0, 40):
+        r = rt.loads(text.replace("vx = 1", f"vx = {v}")).simulate(1.0, rtol=rtol, atol=1e-3 * rtol)
+        deep = (0.5 * (n + 1.0) * m * v**2 / K) ** (1.0 / (n + 1.0))
+        started = np.array([one.t for one in of_kind(r, "contact")])
+        own = before / v + np.arange(len(started)) * (way / v + there_and_back * deep / v)
+        np.testing.assert_allclose(started, own, rtol=0, atol=off)

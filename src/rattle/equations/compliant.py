@@ -5,20 +5,27 @@ force on A  = +N n + T t
 couple on B = -N m, on A = +N m         m of the normal; with n = 0 the gap is an angle and N a moment [N m]
 power taken from the motion = N ddelta + T u = (stored: F_static ddelta) + (lost: the remainder)    [W]
 
+The forces of a shut contact that is followed go on beyond its end, mirrored there: a step may pass the end before it
+is cut at it, and its dense output is only as good as the forces are smooth.  No motion has them.
+
 Oil in the clearance acts in parallel, see `rattle.elements.film`: its force at the points of the joint, its moments on
 both bodies.  What it loses counts as lost by the mechanism, not by the contact.
 """
 
 from __future__ import annotations
 
+import math
+
 from rattle.equations.worn_contact import add_worn_force
 from rattle.jit import layout as at  # fmt: skip
+from rattle.jit.choices import select
 from rattle.jit.families import call_clearance, call_film, call_friction, call_normal, call_stiffness
 from rattle.jit.functions import compiled, native
 from rattle.jit.geometry import ends
 
 START_BELOW = 0.01  # share of a segment: a corner that is deeper below it does not touch, the others may by mistake
 LEAST_PENETRATION = 1e-15  # [m] from which on that of an impact is looked for, by doubling
+FAINT = 1e-30  # normal force [N] at which friction is what does not depend on it
 
 
 @compiled
@@ -97,28 +104,58 @@ def add_contact_forces(m):
             m.element_rate[k] = 0.0
         if contact[n, at.LEVEL] == 1:
             add_clutch_torque(m, n)
-        elif kinematics[n, at.GAP] < 0.0 and memory[n, at.CLOSED] != at.OPEN and memory[n, at.CLOSED] != at.RELEASED:
-            if contact[n, at.WORN] == 1:
-                add_worn_contact(m, n)
-            else:
+        elif memory[n, at.CLOSED] == at.SHUT or (memory[n, at.CLOSED] == at.AUTO and kinematics[n, at.GAP] < 0.0):
+            if contact[n, at.WORN] == 0:
                 add_force_of_laws(m, n)
+            elif kinematics[n, at.GAP] < 0.0:
+                add_worn_contact(m, n)
+
+
+@compiled
+def push(m, n, gap, rate):
+    """Static force and normal force [N] of contact n at a gap [m] and its rate [m/s]; where it ends they are mirrored.
+
+    Those of one that ends by its force go on as they are, below zero where it would pull.
+    """
+    contact, values, side = m.contact, m.values, math.copysign(1.0, -gap)
+    static = call_stiffness(m.stiffness_table[contact[n, at.STATIC]], (abs(gap), values, contact[n, at.STATIC_P]))
+    law, p, speed = m.normal_table[contact[n, at.NORMAL_LAW]], contact[n, at.NORMAL_P], m.contact_memory[n, at.SPEED]
+    if contact[n, at.BY_FORCE] == 1:
+        return side * static, call_normal(law, (side * static, -gap, -rate, speed, values, p))
+    return side * static, side * call_normal(law, (static, abs(gap), -rate, speed, values, p))
+
+
+@compiled
+def rub(m, n, normal):
+    """Friction [N] of contact n, whose states move, under a normal force [N]; mirrored where that is below zero."""
+    slip, law, p = (
+        m.contact_kinematics[n, at.SLIP],
+        m.friction_table[m.contact[n, at.FRICTION]],
+        m.contact[n, at.FRICTION_P],
+    )
+    first = m.contact[n, at.FIRST_STATE]
+    z, dz = m.element_state[first:], m.element_rate[first:]
+    end = call_friction(law, (slip, FAINT, z, m.values, p, dz))
+    tangent = call_friction(law, (slip, size_of(normal), z, m.values, p, dz))
+    return select(normal < 0.0, 2.0 * end - tangent, tangent)
+
+
+@compiled
+def size_of(normal):
+    """Size of a normal force [N]."""
+    return abs(normal)
 
 
 @compiled
 def add_force_of_laws(m, n):
     """Add the force of contact n, which touches, by its laws of stiffness, normal force and friction."""
-    contact, values, kinematics, memory = m.contact, m.values, m.contact_kinematics, m.contact_memory
-    first, delta, ddelta = contact[n, at.FIRST_STATE], -kinematics[n, at.GAP], -kinematics[n, at.DGAP]
-    static = call_stiffness(m.stiffness_table[contact[n, at.STATIC]], (delta, values, contact[n, at.STATIC_P]))
-    arguments = (static, delta, ddelta, memory[n, at.SPEED], values, contact[n, at.NORMAL_P])
-    normal = call_normal(m.normal_table[contact[n, at.NORMAL_LAW]], arguments)
-    if contact[n, at.BY_FORCE] == 1 and memory[n, at.CLOSED] == at.AUTO:
+    contact, kinematics, ddelta = m.contact, m.contact_kinematics, -m.contact_kinematics[n, at.DGAP]
+    static, normal = push(m, n, kinematics[n, at.GAP], kinematics[n, at.DGAP])
+    if contact[n, at.BY_FORCE] == 1 and m.contact_memory[n, at.CLOSED] == at.AUTO:
         normal = max(0.0, normal)
     tangent = 0.0
     if contact[n, at.FRICTION] >= 0:
-        slip, p = kinematics[n, at.SLIP], contact[n, at.FRICTION_P]
-        arguments_t = (slip, normal, m.element_state[first:], values, p, m.element_rate[first:])
-        tangent = call_friction(m.friction_table[contact[n, at.FRICTION]], arguments_t)
+        tangent = rub(m, n, normal)
     kinematics[n, at.NORMAL], kinematics[n, at.TANGENT] = normal, tangent
     kinematics[n, at.STORE] = static * ddelta
     kinematics[n, at.LOSS] = (normal - static) * ddelta + tangent * kinematics[n, at.SLIP]

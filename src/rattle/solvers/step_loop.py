@@ -104,7 +104,7 @@ LAID_ERROR = 1e-6  # the same of a step laid across a singular position: the pro
 USUAL = 2.0  # such a step is at most so many times as long as the last regular one
 ROUNDING_ACROSS = 1e-10  # error [the same] that is accepted while stages are projected: rounding, across the branch
 MOST_TRIES = 20
-WHOLE, BEYOND = 0.9, 1.05  # share of a step up to an event from which on it stands; else it is repeated: up to where
+WHOLE, BEYOND = 0.99, 1.001  # share of a step up to an event from which on it stands; else it is repeated: up to where
 CLEAR, COMES_NEAR, PASSES, UNRESOLVED = range(4)  # a step beside singular positions
 FORGIVEN = 1e-8  # error with which such a step counts, over the tolerances, so that the next one may be longer
 FADING = 0.7  # share of the length of the last regular steps that a shorter one leaves as their measure
@@ -301,6 +301,12 @@ def relies_on_stages(m):
 
 
 @compiled
+def lets_go(m, who, what):
+    """True if a compliant contact ends: what its force is beyond that makes the dense output worse than the step."""
+    return what == MEETS and m.contact[who, at.IMPACT] == 0 and m.contact_memory[who, at.CLOSED] == at.SHUT
+
+
+@compiled
 def watches_forces(m):
     """True unless sliding is summed instead, for wear."""
     return m.wear_work.shape[0] == 0
@@ -438,13 +444,15 @@ def take_step(m, t, h, t_new, t_end, last, rtol, atol, h_max):
 
 
 @compiled
-def shorten_for_event(m, t, h, t_end, share, who):
-    """True if a step is to be repeated, with the length in the clock: it hides events, or relies on its stages."""
+def shorten_for_event(m, t, h, t_end, share, who, what):
+    """True if a step is to be repeated, with the length in the clock: it hides events, or should end at one."""
     if share > NONE and h > SHORT * (t_end - t):  # events may be hidden in it
         m.landing[at.LANDS] = 0.0
         quarter(m, h)
         return True
-    if who >= 0 and share < WHOLE and share * h > SHORT * (t_end - t) and relies_on_stages(m):
+    if who < 0 or share >= WHOLE or share * h <= SHORT * (t_end - t):
+        return False
+    if relies_on_stages(m) or lets_go(m, who, what):
         m.landing[at.LANDS] = 0.0
         m.tally[at.REJECTED] += 1
         m.clock[at.H] = BEYOND * share * h
@@ -527,7 +535,7 @@ def advance(m, t_end, rtol, atol, h_max, t_out, out, most_steps):
             prepare_dense(m, t, span)
             m.tally[at.EVALUATIONS] += m.stepper[at.DENSE_STAGES]
         share, who, what, by_stages = first_event(m, t, span, low, high, calm, suspect)
-        if shorten_for_event(m, t, h, t_end, share, who):
+        if shorten_for_event(m, t, h, t_end, share, who, what):
             continue
         met = who >= 0
         until, t_until = (share, t + share * span) if met else (1.0, t_new)

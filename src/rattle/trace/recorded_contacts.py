@@ -21,11 +21,11 @@ from rattle.jit import families
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.language.recorded import Operand, Recorded, bare, symbol_of
-from rattle.solvers.contacts.contact_events import GAUSS, WEIGHTS, push
+from rattle.solvers.contacts.contact_events import GAUSS, WEIGHTS
 from rattle.solvers.contacts.gap_search import rate_rounding
 from rattle.solvers.nonsmooth.impact_phases import LZB, NEWTON, POISSON
 from rattle.trace.graph import Graph, Symbol, apply, select, summed
-from rattle.trace.known_signs import SHALLOW, Depth, Gap, positive
+from rattle.trace.known_signs import Depth, positive
 from rattle.trace.recorded_friction import RecordedFriction
 from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_rigid import SHUT, SLOTS, RigidContacts, Struck
@@ -150,6 +150,7 @@ class RecordedContacts:
         """Let calls of contacts be recorded; before any kernel is."""
         copies.replace(families.call_stiffness, _positive_force)
         copies.replace(families.call_normal, _positive_force)
+        copies.replace(compliant.size_of.python, lambda normal: positive(abs(normal)))
         self._copies = copies
         self._rigid = None
         if numbers := np.flatnonzero(self.rigid).tolist():
@@ -200,10 +201,8 @@ class RecordedContacts:
         else:
             measured = {column: kinematics[n, column] for column in (at.GAP, at.DGAP, at.SLIP)}
             for column, value in measured.items():  # of an open contact numbers with which laws do not switch
-                inside = select(value < -SHALLOW, value, -SHALLOW) if column == at.GAP else value
-                kinematics[n, column] = select(shut, inside, -APART if column == at.GAP else 0.0)
-            deep = kinematics[n, at.GAP]
-            kinematics[n, at.GAP] = Gap(deep.graph, deep.place)
+                kinematics[n, column] = select(shut, value, -APART if column == at.GAP else 0.0)
+            kinematics[n, at.GAP] = _depth(kinematics[n, at.GAP])
             self._laws(m, n)
             for column, value in measured.items():
                 kinematics[n, column] = value
@@ -268,8 +267,7 @@ class RecordedContacts:
     def push(self, m: SimpleNamespace, n: int) -> Operand:
         """Force [N] of contact n that ends by it, also where it would pull; see `contact_events.push`."""
         row = m.contact_kinematics[n]
-        gap = Depth(row[at.GAP].graph, row[at.GAP].place)
-        force: Operand = self._copies.of(push.python)(m, n, gap, row[at.DGAP])
+        force: Operand = self._copies.of(compliant.push.python)(m, n, _depth(row[at.GAP]), row[at.DGAP])[1]
         return Symbol(force.graph, force.place) if isinstance(force, Symbol) else force
 
     def strain(self, m: SimpleNamespace, n: int) -> Operand:
@@ -333,6 +331,11 @@ class RecordedContacts:
 
 def _is_zero(x: Operand) -> bool:
     return not isinstance(x, Symbol) and symbol_of(x) == 0.0
+
+
+def _depth(gap: Symbol) -> Symbol:
+    """A gap of a contact that is computed by its laws, on both sides of its end."""
+    return Depth(gap.graph, gap.place)
 
 
 def _positive_force(entry: Plain, arguments: tuple[object, ...]) -> Operand:

@@ -15,13 +15,13 @@ import math
 
 import numpy as np
 
-from rattle.equations.compliant import add_contact_forces, contact_duration, locate_contacts
+from rattle.equations.compliant import add_contact_forces, contact_duration, locate_contacts, push
 from rattle.equations.motion import place
 from rattle.equations.one_way import goes_under, passes
 from rattle.equations.state import IMPULSE, LOSS, STORED, account_at, clear_states, take_states
 from rattle.equations.worn_contact import worn_energy
 from rattle.jit import layout as at  # fmt: skip
-from rattle.jit.families import call_normal, call_stiffness
+from rattle.jit.families import call_stiffness
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.clutches import gets_ahead
 from rattle.solvers.contacts.event_rows import note_end
@@ -153,15 +153,6 @@ def normal_at(m, theta, n):
 
 
 @compiled
-def push(m, n, gap, rate):
-    """Force [N] of contact n, which ends by it, at a gap [m] and its rate [m/s]; below zero where it would pull."""
-    contact, values = m.contact, m.values
-    static = call_stiffness(m.stiffness_table[contact[n, at.STATIC]], (abs(gap), values, contact[n, at.STATIC_P]))
-    arguments = (-math.copysign(static, gap), -gap, -rate, 0.0, values, contact[n, at.NORMAL_P])
-    return call_normal(m.normal_table[contact[n, at.NORMAL_LAW]], arguments)
-
-
-@compiled
 def left_at(m, h, n, theta):
     """What is left of the present mode of a contact at the share theta of the step.
 
@@ -169,7 +160,7 @@ def left_at(m, h, n, theta):
     """
     if m.contact[n, at.BY_FORCE] == 1:
         gap, rate = gap_at(m, theta, n)
-        pushes = push(m, n, gap, rate)
+        pushes = push(m, n, gap, rate)[1]
         return pushes if m.contact_memory[n, at.CLOSED] == at.SHUT else -pushes
     force = normal_at(m, theta, n)
     return force if m.contact_memory[n, at.CLOSED] == at.SHUT else m.contact_kinematics[n, at.DGAP]
