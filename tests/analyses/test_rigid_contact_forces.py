@@ -98,6 +98,32 @@ def test_samples_whose_force_towers_have_no_number_and_say_so_once():
     assert said.strip().startswith("2 x max(B.force): B.force towers with a rigid contact; ask for its impulse")
 
 
+def test_whether_a_torque_towers_does_not_depend_on_what_else_is_asked():
+    m = rt.loads(
+        """
+format = 1
+gravity = [0, -9.81]
+parameters = { F = 20.0 }
+ground.points.O = [0, 0]
+bodies.crank = { points = { O = [0, 0], A = [0.05, 0] }, mass = 0.3, inertia = 1e-4 }
+bodies.rod = { bar = ["A", "B"], length = 0.12, mass = 0.21, inertia = 2.5e-4 }
+bodies.slider = { points = { B = [0, 0] }, mass = 0.4, inertia = 1e-4 }
+drivers.motor = { joint = "O", angle = "0.7 + 0.5*sin(60*t)" }
+loads.push = { type = "force", at = "slider.B", force = ["F*cos(11*t)", 0] }
+[joints]
+O = { type = "revolute", connect = ["ground.O", "crank.O"] }
+A = { type = "revolute", connect = ["crank.A", "rod.A"] }
+B = { type = "revolute", connect = ["slider.B", "rod.B"], clearance = 5e-4, contact = "PIN" }
+guide = { type = "prismatic", connect = ["ground.O", "slider.B"], axis = 0 }
+[initial]
+B = { offset = [0, 0] }
+""".replace('"PIN"', '{ model = "impact", restitution = 0.6, bush_radius = 0.01 }')
+    )
+    asked = ["max(abs(motor.torque))"]
+    for more in ([], ["final(slider.x)"], ["max(slider.x)"]):
+        assert np.isnan(m.many({"F": [20.0]}, asked + more, 0.03)[asked[0]][0])
+
+
 def test_designs_whose_force_towers_are_none_and_the_reason_is_said():
     with pytest.raises((ValueError, RuntimeError), match=r"towers with a rigid contact"):
         rt.loads(SLIPPERY).optimise("max(B.force)", {"mu": (0.0, 1e-3)}, t_end=0.06, starts=1)

@@ -8,7 +8,8 @@ the same numbers whatever the instants.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from rattle.errors import InputError
 from rattle.language import arrays
 from rattle.language.syntax import Apply, Name, Node, names
-from rattle.results.contact_summary import most_readable, towering
+from rattle.results.contact_summary import RISING, most_readable, towering
 from rattle.results.event import Event
 from rattle.results.reductions import (
     CONDITIONS,
@@ -64,6 +65,16 @@ def evaluate(
         return math.nan
     number = float(arrays.evaluate(output.outer, lambda name: values[name] if name in values else parameters[name]))
     return number if math.isfinite(number) else math.nan
+
+
+def may_tower(outputs: Iterable[Output], unit_of: Callable[[str], str], joints: Mapping[str, Any]) -> list[str]:
+    """Joints with rigid contacts beside which a curve of these outputs may tower; none where no output needs one.
+
+    unit_of: the SI unit of a curve, "" of other names; joints: of a geometry, see `columns.geometry`.
+    """
+    told = (part for output in outputs for part in output.reductions if part.kind not in TOLD)
+    rises = any(unit_of(name) in RISING for part in told for name in names(part.inner))
+    return [name for name, form in joints.items() if form.get("rigid")] if rises else []
 
 
 def unread_curves(output: Output, result: Result) -> tuple[str, ...]:

@@ -21,7 +21,7 @@ from rattle.language.recorded import Operand, symbol_of
 from rattle.language.syntax import Apply, Name, Node, Number, names, walk
 from rattle.results.columns import geometry
 from rattle.results.contact_summary import RISING
-from rattle.results.evaluation import TOLD
+from rattle.results.evaluation import may_tower
 from rattle.results.reductions import EVENTS_OF_CONTACT, OF_EVENTS, Output, argument
 from rattle.trace import reductions
 from rattle.trace.copying import replaced
@@ -74,13 +74,11 @@ class Asked:
     def towers(self) -> dict[str, tuple[int, int]]:
         """Rows of the largest force and of its mean of joints with rigid contacts, beside which forces may
         rise without meaning; none where no output depends on a force."""
-        joints = [name for name, form in geometry(self.model.system.model)["joints"].items() if form.get("rigid")]
-        told = [reduction for output in self.outputs for reduction in output.reductions if reduction.kind not in TOLD]
-        used = {name for reduction in told for name in names(reduction.inner)}
-        if not any(self.model.units.get(name, RISING[0]) in RISING for name in used - {"t", *self.model.values}):
-            return {}
+        known = {**self.model.units, **dict.fromkeys(("t", *self.model.values), "")}
         rows = {}
-        for joint in joints:
+        for joint in may_tower(
+            self.outputs, lambda name: known.get(name, RISING[0]), geometry(self.model.system.model)["joints"]
+        ):
             curve = self._curve(self.model.symbol(f"{joint}.force"))
             rows[joint] = self._place(Reduction("max", curve)), self._place(Reduction("mean", curve))
         return rows

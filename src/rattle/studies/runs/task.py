@@ -16,7 +16,7 @@ from rattle.language.syntax import names
 from rattle.registry import kinds
 from rattle.results.columns import geometry
 from rattle.results.contact_summary import no_number
-from rattle.results.evaluation import evaluate, needs_curve, unread_curves
+from rattle.results.evaluation import evaluate, may_tower, needs_curve, unread_curves
 from rattle.results.reductions import Known, Output, argument, meetings, needed_instants, read
 from rattle.results.result import Result, UnknownName
 from rattle.solvers.stepper import ATOL
@@ -52,6 +52,7 @@ class Task:
     how: Stepping
     histories: tuple[str, ...] = ()  # (h,) names of curves that are kept
     history_units: tuple[str, ...] = ()  # (h,) their SI units
+    towers: bool = False  # whether an output depends on a force that may tower with a rigid contact
 
     @property
     def texts(self) -> list[str]:
@@ -112,10 +113,13 @@ class Task:
         return analysis_of(self.analysis).run(m, times, frozenset(needed), self.how)
 
     def _intervals(self, m: Mechanism, whole: bool) -> int:
-        """Intervals between instants of a run, unless bodies turn often: 1 where no curve is needed; see `look`."""
+        """Intervals between instants of a run, unless bodies turn often: 1 where no curve is needed; see `look`.
+
+        What is usual of a force that may tower is told by its curve, whatever else is asked for.
+        """
         of_run = peak_names(m.system) if self.analysis == "simulate" and not whole else ()
         every = [reduction for output in self.outputs for reduction in output.reductions]
-        needed = any(needs_curve(reduction, of_run, m.model.joints) for reduction in every)
+        needed = self.towers or any(needs_curve(reduction, of_run, m.model.joints) for reduction in every)
         return analysis_of(self.analysis).points if needed else 1
 
     def _resolving(self, result: Result) -> int:
@@ -148,9 +152,8 @@ def task_of(
     end = _end(m, varying, analysis, t_end, step)
     how = _stepping(m, method, rtol, atol, step)
     units = {name: parameter.unit for name, parameter in m.model.parameters.items()}
-    vocabulary = Known(
-        analysis_of(analysis).names(m), units, meetings(geometry(m.model)) if analysis == "simulate" else {}
-    )
+    of_model = geometry(m.model)
+    vocabulary = Known(analysis_of(analysis).names(m), units, meetings(of_model) if analysis == "simulate" else {})
     asked = tuple(_read(text, vocabulary, analysis) for text in texts)
     if text := next((output.text for output in asked if not output.reductions), ""):
         raise InputError(f"outputs: {text!r} follows from parameters alone; ask for a number of a run")
@@ -159,7 +162,10 @@ def task_of(
     if late := next((words for output in asked if (words := outside(output, fixed, end))), ""):
         raise InputError(late)
     curves = _histories(histories, vocabulary, end)
-    return Task(m, varying, asked, analysis, end, how, tuple(curves), tuple(curves.values()))
+    towers = analysis == "simulate" and bool(
+        may_tower(asked, lambda k: vocabulary.units.get(k, ""), of_model["joints"])
+    )
+    return Task(m, varying, asked, analysis, end, how, tuple(curves), tuple(curves.values()), towers)
 
 
 def _stepping(m: Mechanism, method: str | None, rtol: float | None, atol: float | None, step: float | None) -> Stepping:
