@@ -449,15 +449,22 @@ def test_a_pin_that_starts_at_its_wall_but_for_rounding_is_in_contact():
     assert np.abs(values[2:]).max() < 1e-8
 
 
-def test_starts_of_gears_follow_from_their_parameters(monkeypatch):
+@pytest.mark.parametrize(
+    ("name", "varied", "outputs", "t_end"),
+    [
+        ("gear_rattle", {"R_1": 0.03}, ["final(idle.angle)", "time(mesh.contacts, 3)"], 0.05),
+        ("cam_lift_off", {"h": 0.008, "R": 0.015}, ["final(follower.y)", "at(follower.vy, 0.002)"], 0.006),
+        ("scotch_yoke", {"r": 0.05, "c": 5e-5}, ["final(yoke.x)", "time(slot.contacts, 2)"], 0.03),
+    ],
+)
+def test_starts_with_teeth_faces_and_slots_closed_follow_from_parameters(name, varied, outputs, t_end, monkeypatch):
     """None is put together by itself."""
     monkeypatch.setattr(Starts, "assemble", None)
-    m = rt.example("gear_rattle")
-    samples = {"R_1": 0.03 * np.linspace(0.99, 1.01, 5)}
-    outputs = ["final(idle.angle)", "time(mesh.contacts, 3)"]
-    _, values = side_by_side(m, samples, outputs, 0.05, rtol=1e-10)
+    m = rt.example(name)
+    samples = {key: value * np.linspace(0.99, 1.01, 5) for key, value in varied.items()}
+    _, values = side_by_side(m, samples, outputs, t_end, rtol=1e-10)
     monkeypatch.undo()
-    assert values == pytest.approx(alone(m, samples, outputs, 0.05, rtol=1e-10), rel=1e-7)
+    assert values == pytest.approx(alone(m, samples, outputs, t_end, rtol=1e-10), rel=1e-7)
 
 
 SHAKEN = """

@@ -101,6 +101,12 @@ def has_play(model: Model) -> bool:
     return any(is_link(joint) or holds_by_contacts(joint) for joint in model.joints.values())
 
 
+def held_at_start(system: System) -> list[str]:
+    """Joints with play that the start closes, at given offsets of their pins or 0; not those of which reactions say."""
+    play = _play(system, 0.0, None)
+    return [name for name in play.held if name not in play.missing]
+
+
 def near_places(system: System, start: Assembled) -> tuple[Places, Places]:
     """Where the bodies are at a start, for others that are looked for near it; the same without play."""
     near = places(system, start.q)

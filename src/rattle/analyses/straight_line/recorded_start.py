@@ -1,21 +1,21 @@
 """How the start of a run follows from chosen parameters: equations that hold there, solved by Newton's method.
 
-Assembly keeps what is given where it can.  Where joints, kept coordinates and kept offsets of pins together determine
-all positions, these are the solution of Phi = 0, q_k = given_k, e = offset near the positions that were assembled,
-whatever the way there; likewise the rates.  Kept coordinates enter as drivers of bodies, kept pins as hinges at their
-offsets, so that the package's own kernels solve for them.
+Assembly keeps what is given where it can.  Where joints, kept coordinates and joints with play that start closed
+together determine all positions, these are the solution of Phi = 0, q_k = given_k, e = offset near the positions that
+were assembled, whatever the way there; likewise the rates.  Kept coordinates enter as drivers of bodies, joints that
+are closed, at the offsets of their pins, as those without play, so that the package's own kernels solve for them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from rattle.analyses.assembly.assembly import Assembled
+from rattle.analyses.assembly.assembly import Assembled, held_at_start
 from rattle.analyses.assembly.loops import loops
 from rattle.analyses.assembly.outward import outward
 from rattle.analyses.assembly.start_constants import constants_of, counting_rows, with_constants, without_counting
@@ -59,7 +59,7 @@ class RecordedStart:
 class Kept(NamedTuple):
     """What of the given values determines the start."""
 
-    pins: list[str]  # joints that are hinges at the offset of their pin
+    pins: list[str]  # joints with play that are closed, at the offset of their pin
     needed: list[int]  # coordinates whose given values complete the constraint rows
     also: list[int]  # coordinates whose given values hold as well
 
@@ -72,8 +72,9 @@ def record_start(
     system: the model at the parameters' values; recorded: the same with recorded numbers; y: (ny,) symbols.
     """
     nq = 3 * system.body_count
-    kept = _kept(_placing(system), start, _pins_at_offsets(system, start), 0)
-    kept_rates = _kept(system, start, _pins_at_rest(system, start), 1)
+    closed = _closed(system, start)
+    kept = _kept(_placing(system), start, closed, 0)
+    kept_rates = _kept(system, start, _closed_rates(system, start, closed), 1)
     if kept is None or kept_rates is None:
         return None
     q = y[:nq]
@@ -137,40 +138,37 @@ def _is_pin(joint: Joint) -> bool:
     return is_link(joint) or (joint.kind == "revolute" and joint.is_loose)
 
 
-def _pins_at_offsets(system: System, start: Assembled) -> list[str]:
-    """Pins that start at their given offsets."""
-    model, pins = system.model, []
-    for name, offset in model.initial.offsets.items():
-        if _is_pin(model.joints[name]):
-            now = _pin(system, start, name)[:2]
-            if np.abs(now - offset).max() <= KEPT * system.size:
-                pins.append(name)
-    return pins
+def _closed(system: System, start: Assembled) -> list[str]:
+    """Joints with play that assembly closes, and that are closed at the start, at given offsets of their pins or 0."""
+    names = held_at_start(system)
+    left = _left_open(system, start, names)
+    return [name for name in names if left[name][0] <= KEPT * system.size]
 
 
-def _pins_at_rest(system: System, start: Assembled) -> list[str]:
-    """Pins whose centres start with the speed of the bush centres; of massless links those that place a body.
+def _closed_rates(system: System, start: Assembled, closed: Sequence[str]) -> list[str]:
+    """Joints with play whose points start with one speed; of massless links those that place a body.
 
-    Constraint rows say so where the hinge is not moved to the pin: a bush that turns would carry it around.
+    Constraint rows say so where the bush is not moved to the pin: a bush that turns would carry it around.
     """
     scale = max(1.0, float(np.abs(start.v).max(initial=0.0)))
     links = [joint.name for _, _, joint in outward(system.model) if is_link(joint)]
     loose = [name for name, joint in system.model.joints.items() if _is_pin(joint) and not is_link(joint)]
-    return [name for name in (*links, *loose) if np.abs(_pin(system, start, name)[2:]).max() <= KEPT * scale]
+    names = list(dict.fromkeys([*links, *loose, *(name for name in closed if name not in links)]))
+    left = _left_open(system, start, names)
+    return [name for name in names if left[name][1] <= KEPT * scale]
 
 
-def _pin(system: System, start: Assembled, name: str) -> np.ndarray:
-    """(4,) place of the pin relative to its bush [m] and its rate [m/s], in ground axes."""
-    joint, state = system.model.joints[name], np.zeros(4)
-    for point, sign in ((joint.b, 1.0), (joint.a, -1.0)):
-        x = y = angle = vx = vy = omega = 0.0
-        if point.body != "ground":
-            k = 3 * system.bodies.index(point.body)
-            (x, y, angle), (vx, vy, omega) = start.q[k : k + 3], start.v[k : k + 3]
-        sx = np.cos(angle) * point.at[0] - np.sin(angle) * point.at[1]
-        sy = np.sin(angle) * point.at[0] + np.cos(angle) * point.at[1]
-        state += sign * np.array([x + sx, y + sy, vx - omega * sy, vy + omega * sx])
-    return state
+def _left_open(system: System, start: Assembled, names: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """By how much joints with play would be open at the start without it [m or rad], and their rates [m/s or rad/s]."""
+    closed = _held(system.model, names, [])
+    moved, unmoved = _placed(closed, start, names), _placed(closed, start, [])
+    rates = dense_rows(closed, unmoved) @ start.v
+    left = dict.fromkeys(names, (0.0, 0.0))
+    for n, row in enumerate(closed.rows):
+        if row.owner in left and not row.driver:
+            beyond = abs(float(moved.rows[n, at.RES])), abs(float(rates[n]))
+            left[row.owner] = max(left[row.owner][0], beyond[0]), max(left[row.owner][1], beyond[1])
+    return left
 
 
 def _kept(system: System, start: Assembled, pins: list[str], turn: int) -> Kept | None:
@@ -240,12 +238,17 @@ def _basis(system: System, start: Assembled, pins: Sequence[str]) -> list[np.nda
 
 def _rows(system: System, start: Assembled, pins: Sequence[str] = ()) -> np.ndarray:
     """(nr, 3 nb) constraint rows at the start, of joints that are hinges at the offsets of these pins."""
+    return dense_rows(system, _placed(system, start, pins))
+
+
+def _placed(system: System, start: Assembled, pins: Sequence[str]) -> Workspace:
+    """A workspace with the constraints at the start, of joints that are closed at the offsets of these pins."""
     workspace = system.plain_workspace()
     drive.python(workspace, start.t)
     place.python(workspace, start.q, start.v)
-    _hinges(system, pins)(workspace)
+    _at_offsets(system, pins)(workspace)
     constraints.python(workspace)
-    return dense_rows(system, workspace)
+    return workspace
 
 
 def _add(basis: list[np.ndarray], row: np.ndarray) -> bool:
@@ -263,13 +266,13 @@ def _add(basis: list[np.ndarray], row: np.ndarray) -> bool:
 
 def lacking(system: System, start: Assembled) -> str:
     """What [initial] must give so that the start follows from it, in words; "" if it does."""
-    placed = _pins_at_offsets(system, start)
+    placed = _closed(system, start)
     links = [name for name, joint in system.model.joints.items() if _is_pin(joint)]
     without = [name for name in links if name not in placed]
     advice = [f"give the offset of {', '.join(without)}"] if without else []
     advice += _lacking_values(system, start, links, 0)
     if not advice:  # rates follow once the positions do
-        advice = _lacking_values(system, start, _pins_at_rest(system, start), 1)
+        advice = _lacking_values(system, start, _closed_rates(system, start, placed), 1)
     return "; ".join(advice)
 
 
@@ -312,23 +315,20 @@ def _held(model: Model, pins: Sequence[str], coordinates: Sequence[int]) -> Syst
     return compile_system(replace(model, joints=joints, drivers=drivers))
 
 
-def _hinges(system: System, pins: Sequence[str], offsets: Mapping[str, Any] | None = None) -> Shift:
-    """What moves the bush of a hinge to where its pin is, or to the pin's offset [m] in ground axes, if it is given."""
+def _at_offsets(system: System, pins: Sequence[str]) -> Shift:
+    """What moves the bush of a closed joint, and of its drivers, by the offset of its pin [m] in ground axes."""
+    model = system.model
 
     def move(workspace: SimpleNamespace | Workspace) -> None:
         body, values = workspace.body, workspace.values
         for name in pins:
-            a, b, k = (system.arrays["joint"][system.joints.index(name), c] for c in (at.END_A, at.END_B, at.FIRST_P))
-            joint = system.model.joints[name]
-            (ax, ay), (bx, by) = ([symbol_of(x) for x in point.at] for point in (joint.a, joint.b))
-            cos_a, sin_a, cos_b, sin_b = body[a, at.COS], body[a, at.SIN], body[b, at.COS], body[b, at.SIN]
-            if offsets is not None:
-                ex, ey = (symbol_of(x) for x in offsets[name])
-                values[k], values[k + 1] = ax + cos_a * ex + sin_a * ey, ay - sin_a * ex + cos_a * ey
-            else:
-                dx = body[b, at.X] + cos_b * bx - sin_b * by - body[a, at.X]
-                dy = body[b, at.Y] + sin_b * bx + cos_b * by - body[a, at.Y]
-                values[k], values[k + 1] = cos_a * dx + sin_a * dy, cos_a * dy - sin_a * dx
+            a, (ax, ay) = system.arrays["joint"][system.joints.index(name), at.END_A], model.joints[name].a.at
+            ex, ey = (symbol_of(x) for x in model.initial.offsets.get(name, (0.0, 0.0)))
+            cos, sin = body[a, at.COS], body[a, at.SIN]
+            moved = symbol_of(ax) + cos * ex + sin * ey, symbol_of(ay) - sin * ex + cos * ey
+            for owner in (name, *(key for key, driver in model.drivers.items() if driver.joint == name)):
+                k = system.first_value(owner)
+                values[k], values[k + 1] = moved
 
     return move
 
@@ -339,11 +339,10 @@ def _positions(
 ) -> tuple[list[Operand], Flag, list[Gap]]:
     """The correction of positions, its flag, and what is open; slack: (3 nb,) as `_missed` takes it."""
     held = Recording(_held(without_counting(recorded.model), kept.pins, kept.needed), recorder)
-    offsets = recorded.model.initial.offsets
     open_at_q: list[Gap] = []
 
     def correct() -> list[Operand]:
-        closing = held.closing(0.0, _hinges(held.system, kept.pins, offsets))
+        closing = held.closing(0.0, _at_offsets(held.system, kept.pins))
         corrected, still = q.copy(), np.zeros(len(q), dtype=object)
         closing.begin(corrected, still)
         open_at_q.extend(_open_rows(held.system, closing.workspace.rows, recorder))
@@ -368,8 +367,10 @@ def _missed(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray, sla
         missed = recorder.largest([abs(q[k] - symbol_of(_given(recorded, k, 0))) - slack[k]])
         gaps.append(Gap(name, missed, ("m", "m", "rad")[k % 3]))
     for name in kept.pins:
-        joint = recorded.model.joints[name]
-        length = recorder.graph.apply("hypot", *map(symbol_of, recorded.model.initial.offsets[name]))
+        joint, offset = recorded.model.joints[name], recorded.model.initial.offsets.get(name)
+        if offset is None or not _is_pin(joint):
+            continue
+        length = recorder.graph.apply("hypot", *map(symbol_of, offset))
         beyond, words = length - symbol_of(joint.clearance), "is beyond"
         if is_link(joint):
             beyond, words = abs(beyond), "is not"
