@@ -416,3 +416,8 @@ def test_a_signal_without_its_owner_is_taken_for_that_of_the_table_in_which_it_s
         '\n[loads.ram]\ntype = "actuator"\nconnect = ["ground.O1", "coupler.O2"]\nforce = "20 kN - 2000 N/m*length"\n'
     )
     assert "did you mean 'ram.length'?" in str(refusal(text))
+
+
+def test_an_offset_of_teeth_is_refused():
+    with pytest.raises(ModelError, match=r"initial\.mesh: joint 'mesh' has its play along the circumference"):
+        rt.example("gear_rattle").set({"initial.mesh.offset": [1e-5, 0.0]}).system  # noqa: B018

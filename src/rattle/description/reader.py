@@ -214,6 +214,9 @@ def _initial(values: Values, document: Table, parts: Parts) -> Initial:
             values.keys(entry, OFFSET.fields, path)
             if name not in play and name not in parts.broken_joints:
                 values.wrong(path, f"joint '{name}' has no clearance, so no offset", at_key=True)
+            elif name in parts.joints and parts.joints[name].from_start:
+                message = f"joint '{name}' has its play along the circumference, no pin with an offset; give angles"
+                values.wrong(path, f"{message} of its bodies", at_key=True)
             elif "offset" in entry:
                 offsets[name] = parts.read(OFFSET, entry, path)["offset"]
         else:

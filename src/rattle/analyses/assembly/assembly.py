@@ -27,7 +27,14 @@ from rattle.analyses.assembly.start_constants import (
     without_counting,
 )
 from rattle.analyses.assembly.start_notes import start_notes
-from rattle.analyses.assembly.start_values import Places, change_of_given, given_values, keep_rates, places
+from rattle.analyses.assembly.start_values import (
+    Places,
+    change_of_given,
+    given_values,
+    keep_rates,
+    left_at_zero,
+    places,
+)
 from rattle.analyses.assembly.tied_bodies import given_in_one_turn, groups_at
 from rattle.analyses.assembly.unclosed import without_value
 from rattle.analyses.assembly.without_play import along_reactions, ideal_model, ideal_start
@@ -323,12 +330,14 @@ def _refuse_offsets_along(system: System, q: np.ndarray) -> None:
 def _near_by(system: System, workspace: Workspace, wanted: np.ndarray) -> tuple[np.ndarray, int] | None:
     """Closed positions (3 nb,) beside a start near by, and the number of iterations; None if they are far from it.
 
-    Given values are kept as well as that start has them.
+    Given values are kept as well as that start has them, and angles that assembly leaves at 0.
     """
     near = system.model.initial.near
     if any(name not in near for name in system.bodies):
         return None
     start = np.array([near[name] for name in system.bodies]).ravel()
+    wanted = wanted.copy()
+    wanted[left_at_zero(system, start, wanted)] = 0.0
     q = start.copy()
     became, iterations = close_near(workspace, 0.0, q, wanted, system.size, np.empty((2, len(q))))
     if became == NOT_FINITE:

@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from rattle.analyses.assembly.computable import not_finite
+from rattle.analyses.assembly.loops import loops
 from rattle.equations.kept_values import NOT_FINITE, keep_given_rates
 from rattle.equations.system import System
 from rattle.jit.workspace import Workspace
@@ -22,6 +23,20 @@ def given_values(system: System, turn: int) -> np.ndarray:
         values = bodies.get(name, {})
         wanted += [values.get(key, math.nan) for key in KEYS[turn]]
     return np.array(wanted)
+
+
+def left_at_zero(system: System, now: np.ndarray, wanted: np.ndarray) -> list[int]:
+    """Angles that are not given and that assembly leaves at 0, because no loop could need another one."""
+    model = system.model
+    if any(driver.point is not None and not driver.moves_ground for driver in model.drivers.values()):
+        return []
+    closing = {name for joint, path in loops(model) for name in (joint.name, *path)}
+    moved = {body for name in closing for body in (model.joints[name].a.body, model.joints[name].b.body)}
+    return [
+        3 * n + 2
+        for n, body in enumerate(system.bodies)
+        if body not in moved and np.isnan(wanted[3 * n + 2]) and now[3 * n + 2] == 0.0
+    ]
 
 
 Places: TypeAlias = dict[str, tuple[float, float, float]]  # of bodies by name: x, y [m], angle [rad]

@@ -15,11 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle.analyses.assembly.assembly import Assembled, held_at_start
-from rattle.analyses.assembly.loops import loops
+from rattle.analyses.assembly.assembly import Assembled, has_play, held_at_start
 from rattle.analyses.assembly.outward import outward
+from rattle.analyses.assembly.pins import holds_by_contacts
 from rattle.analyses.assembly.start_constants import constants_of, counting_rows, with_constants, without_counting
-from rattle.analyses.assembly.start_values import KEYS, given_values
+from rattle.analyses.assembly.start_values import KEYS, given_values, left_at_zero
 from rattle.description.model import Driver, Joint, Model, Point
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import constraints, drive, place
@@ -65,21 +65,25 @@ class Kept(NamedTuple):
 
 
 def record_start(
-    system: System, start: Assembled, recorded: System, recorder: Recorder, y: np.ndarray
+    system: System, start: Assembled, recorded: System, recorder: Recorder, y: np.ndarray, strict: bool
 ) -> RecordedStart | None:
     """Record how the start follows from the parameters; None where given values and joints do not determine it.
 
-    system: the model at the parameters' values; recorded: the same with recorded numbers; y: (ny,) symbols.
+    system: the model at the parameters' values; recorded: the same with recorded numbers; y: (ny,) symbols.  strict:
+    where given values contradict each other at other parameters only assembly knows.
     """
     nq = 3 * system.body_count
     closed = _closed(system, start)
     kept = _kept(_placing(system), start, closed, 0)
-    kept_rates = _kept(system, start, _closed_rates(system, start, closed), 1)
+    kept_rates = _kept_rates(system, start)
     if kept is None or kept_rates is None:
         return None
     q = y[:nq]
-    slack = KEPT * _scale(system, start.q)
-    correction, sound_correction, gaps = _positions(recorded, recorder, kept, q, slack * _sizes(system))
+    slack = KEPT * _scale(system, start.q) * _sizes(system)
+    for k, missed in _rounded(system, start, kept).items() if strict else ():
+        kept.also.append(k)
+        slack[k] += 2.0 * missed
+    correction, sound_correction, gaps = _positions(recorded, recorder, kept, q, slack)
     rates, sound_rates = _rates(recorded, recorder, kept_rates, q)
     return RecordedStart(
         [*correction, sound_correction], [*rates, sound_rates], gaps, _constants(recorded, recorder, q)
@@ -140,20 +144,31 @@ def _is_pin(joint: Joint) -> bool:
 
 def _closed(system: System, start: Assembled) -> list[str]:
     """Joints with play that assembly closes, and that are closed at the start, at given offsets of their pins or 0."""
-    names = held_at_start(system)
+    placing = _placing(system).model.joints
+    names = [name for name in held_at_start(system) if name in placing]
     left = _left_open(system, start, names)
     return [name for name in names if left[name][0] <= KEPT * system.size]
 
 
-def _closed_rates(system: System, start: Assembled, closed: Sequence[str]) -> list[str]:
-    """Joints with play whose points start with one speed; of massless links those that place a body.
+def _kept_rates(system: System, start: Assembled) -> Kept | None:
+    """What is kept of the given rates: with pins that start with the speed of their bushes, else with other joints too
+    that have play and start with rates as without it."""
+    closed = _closed_rates(system, start)
+    kept = _kept(system, start, [name for name in closed if _is_pin(system.model.joints[name])], 1)
+    return _kept(system, start, closed, 1) if kept is None else kept
+
+
+def _closed_rates(system: System, start: Assembled) -> list[str]:
+    """Joints with play that start with rates as without it; of massless links those that place a body.
 
     Constraint rows say so where the bush is not moved to the pin: a bush that turns would carry it around.
     """
     scale = max(1.0, float(np.abs(start.v).max(initial=0.0)))
     links = [joint.name for _, _, joint in outward(system.model) if is_link(joint)]
-    loose = [name for name, joint in system.model.joints.items() if _is_pin(joint) and not is_link(joint)]
-    names = list(dict.fromkeys([*links, *loose, *(name for name in closed if name not in links)]))
+    joints = system.model.joints.items()
+    names = links + [
+        name for name, joint in joints if not is_link(joint) and (_is_pin(joint) or holds_by_contacts(joint))
+    ]
     left = _left_open(system, start, names)
     return [name for name in names if left[name][1] <= KEPT * scale]
 
@@ -174,10 +189,12 @@ def _left_open(system: System, start: Assembled, names: Sequence[str]) -> dict[s
 def _kept(system: System, start: Assembled, pins: list[str], turn: int) -> Kept | None:
     """What is kept of the given positions (turn 0) or rates (turn 1); None if it does not determine all of them.
 
-    Rates of which none is given are the least that the constraints allow: no coordinate is needed for them.
+    Rates of which none is given are the least that the constraints allow: no coordinate is needed for them.  Beside
+    play they are those of the mechanism without it.
     """
     wanted, now = given_values(system, turn), (start.q, start.v)[turn]
-    if turn == 1 and np.isnan(wanted).all() and not system.watched and not pins:
+    driven = bool(system.model.drivers) and has_play(system.model)
+    if turn == 1 and np.isnan(wanted).all() and not system.watched and not pins and not driven:
         return Kept([], [], [])
     basis = _basis(_held(system.model, pins, []), start, pins if turn == 0 else [])
     joints = list(basis) if turn == 0 else _basis(system, start, [])  # pins go before given places and angles
@@ -189,22 +206,23 @@ def _kept(system: System, start: Assembled, pins: list[str], turn: int) -> Kept 
         elif _add(list(joints), unit):
             kept.also.append(int(k))
     if turn == 0:
-        kept.needed.extend(k for k in _left_at_zero(system, now, wanted) if _add(basis, _unit(len(wanted), k)))
+        kept.needed.extend(k for k in left_at_zero(system, now, wanted) if _add(basis, _unit(len(wanted), k)))
     return kept if len(basis) == len(wanted) else None
 
 
-def _left_at_zero(system: System, now: np.ndarray, wanted: np.ndarray) -> list[int]:
-    """Angles that are not given and that assembly leaves at 0, because no loop could need another one."""
-    model = system.model
-    if any(driver.point is not None and not driver.moves_ground for driver in model.drivers.values()):
-        return []
-    closing = {name for joint, path in loops(model) for name in (joint.name, *path)}
-    moved = {body for name in closing for body in (model.joints[name].a.body, model.joints[name].b.body)}
-    return [
-        3 * n + 2
-        for n, body in enumerate(system.bodies)
-        if body not in moved and np.isnan(wanted[3 * n + 2]) and now[3 * n + 2] == 0.0
-    ]
+def _rounded(system: System, start: Assembled, kept: Kept) -> dict[int, float]:
+    """By how much given coordinates are missed at the start that others determine, as digits in the file are few.
+
+    At other parameters they are missed by more: assembly decides there which of the given ones it changes.
+    """
+    wanted = given_values(system, 0)
+    joints, missed = _basis(system, start, []), np.abs(start.q - wanted)
+    left = np.flatnonzero(~np.isnan(wanted)).tolist()
+    return {
+        k: float(missed[k])
+        for k in left
+        if k not in (*kept.needed, *kept.also) and _add(list(joints), _unit(len(wanted), k))
+    }
 
 
 def _agrees(system: System, now: np.ndarray, wanted: np.ndarray) -> np.ndarray:
@@ -271,8 +289,9 @@ def lacking(system: System, start: Assembled) -> str:
     without = [name for name in links if name not in placed]
     advice = [f"give the offset of {', '.join(without)}"] if without else []
     advice += _lacking_values(system, start, links, 0)
-    if not advice:  # rates follow once the positions do
-        advice = _lacking_values(system, start, _closed_rates(system, start, placed), 1)
+    placed_all = _kept(_placing(system), start, placed, 0) is not None
+    if not advice or (placed_all and _kept_rates(system, start) is None):  # rates follow once the positions do
+        advice = _lacking_values(system, start, _closed_rates(system, start), 1)
     return "; ".join(advice)
 
 
@@ -374,7 +393,7 @@ def _missed(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray, sla
         beyond, words = length - symbol_of(joint.clearance), "is beyond"
         if is_link(joint):
             beyond, words = abs(beyond), "is not"
-        missed = recorder.largest([beyond - 2.0 * slack[0]])
+        missed = recorder.largest([beyond - 2.0 * slack[::3].min()])
         gaps.append(Gap(f"the length of the offset of joint '{name}' {words} its clearance, by", missed, "m"))
     return gaps
 
