@@ -31,6 +31,7 @@ from rattle.language.recorded import Flag, Operand, symbol_of
 from rattle.trace.recording import Recorder, Recording
 
 KEPT = 1e-9  # share of its size by which a given value may be missed and yet count as kept
+ROUNDING = 1e-14  # share of the largest rate or its size below which a value is said to be 0
 RANK = 1e-8  # share of its length that a row adds to others, at least, where it is independent of them
 START_OF = "start of "  # before the name of a coordinate that a driver keeps
 Shift = Callable[[SimpleNamespace | Workspace], None]
@@ -298,6 +299,7 @@ def lacking(system: System, start: Assembled) -> str:
 def _lacking_values(system: System, start: Assembled, pins: list[str], turn: int) -> list[str]:
     """What to give of the positions (turn 0) or rates (turn 1), in words; pins: links that are held at the start."""
     wanted, now = given_values(system, turn), (start.q, start.v)[turn]
+    now = np.where(np.abs(now) <= ROUNDING * _scale(system, now) * _sizes(system), 0.0, now)
     names = [f"{body}.{key}" for body in system.bodies for key in KEYS[turn]]
     agrees, advice = _agrees(system, now, wanted), []
     moved = [k for k in np.flatnonzero(~np.isnan(wanted)) if not agrees[k]]
