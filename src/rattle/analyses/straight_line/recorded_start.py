@@ -15,15 +15,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle.analyses.assembly.assembly import Assembled, has_play, held_at_start
+from rattle.analyses.assembly.assembly import Assembled, has_play, held_at_start, without_play
+from rattle.analyses.assembly.loop_map import loop_map
 from rattle.analyses.assembly.outward import outward
 from rattle.analyses.assembly.pins import holds_by_contacts
 from rattle.analyses.assembly.start_constants import constants_of, counting_rows, with_constants, without_counting
 from rattle.analyses.assembly.start_values import KEYS, given_values, left_at_zero
+from rattle.analyses.assembly.without_play import ideal_model
 from rattle.description.model import Driver, Joint, Model, Point
+from rattle.equations.closure import close_rate
 from rattle.equations.dense import dense_rows
 from rattle.equations.motion import constraints, drive, place
 from rattle.equations.placement import point_at
+from rattle.equations.start import place_rates
 from rattle.equations.system import System, compile_system, is_link
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
@@ -55,6 +59,16 @@ class RecordedStart:
     constants: list[
         Operand
     ]  # (nc,) those that the start sets, at closed positions [m or rad]; then a flag if there are any
+    ideal: RecordedIdeal | None = None  # whose rates are those of the state with which `rates` are computed
+
+
+@dataclass(frozen=True)
+class RecordedIdeal:
+    """The start of the mechanism without play, with whose rates one with play begins, on inputs of the same kind."""
+
+    places: np.ndarray  # (3 nb,) near which it is [m, m, rad]
+    correction: list[Operand]  # as of `RecordedStart`
+    rates: list[Operand]
 
 
 class Kept(NamedTuple):
@@ -77,18 +91,73 @@ def record_start(
     closed = _closed(system, start)
     kept = _kept(_placing(system), start, closed, 0)
     kept_rates = _kept_rates(system, start)
-    if kept is None or kept_rates is None:
+    shut = _ideal(system, start) if kept_rates is None and strict else None
+    if kept is None or (kept_rates is None and shut is None):
         return None
-    q = y[:nq]
+    q, ideal = y[:nq], None
     slack = KEPT * _scale(system, start.q) * _sizes(system)
     for k, missed in _rounded(system, start, kept).items() if strict else ():
         kept.also.append(k)
         slack[k] += 2.0 * missed
     correction, sound_correction, gaps = _positions(recorded, recorder, kept, q, slack)
-    rates, sound_rates = _rates(recorded, recorder, kept_rates, q)
+    if kept_rates is not None:
+        rates, sound_rates = _rates(recorded, recorder, kept_rates, q)
+    elif shut is not None:
+        rates, sound_rates = _rates_near(system, recorded, recorder, q, y[nq : 2 * nq])
+        ideal = _record_ideal(shut, recorded, recorder, q, slack)
     return RecordedStart(
-        [*correction, sound_correction], [*rates, sound_rates], gaps, _constants(recorded, recorder, q)
+        [*correction, sound_correction], [*rates, sound_rates], gaps, _constants(recorded, recorder, q), ideal
     )
+
+
+class _Shut(NamedTuple):
+    """The mechanism without play, and what determines its start."""
+
+    start: Assembled
+    kept: Kept
+
+
+def _ideal(system: System, start: Assembled) -> _Shut | None:
+    """The mechanism without play where its rates, and nothing else, give those of the start; None elsewhere."""
+    if not np.isnan(given_values(system, 1)).all() or system.watched or constants_of(system.model):
+        return None
+    if not has_play(system.model):
+        return None
+    shut, ideal = without_play(system)
+    if not isinstance(ideal, Assembled) or constants_of(shut.model):
+        return None
+    kept, v, workspace = _kept(shut, ideal, [], 0), ideal.v.copy(), system.workspace()
+    place_rates(workspace, start.q, v, np.full(len(v), np.nan), loop_map(system).arrays["start_ways"])
+    close_rate(workspace, start.t, start.q, v)
+    scale = max(1.0, float(np.abs(start.v).max(initial=0.0)))
+    return _Shut(ideal, kept) if kept is not None and np.abs(v - start.v).max() <= KEPT * scale else None
+
+
+def _record_ideal(
+    shut: _Shut, recorded: System, recorder: Recorder, q: np.ndarray, slack: np.ndarray
+) -> RecordedIdeal:  # fmt: skip
+    ideal = compile_system(ideal_model(recorded.model))
+    correction, sound_correction, _ = _positions(ideal, recorder, shut.kept, q, slack)
+    rates, sound_rates = _rates(ideal, recorder, Kept([], [], []), q)
+    return RecordedIdeal(shut.start.q, [*correction, sound_correction], [*rates, sound_rates])
+
+
+def _rates_near(
+    system: System, recorded: System, recorder: Recorder, q: np.ndarray, v: np.ndarray
+) -> tuple[list[Operand], Flag]:  # fmt: skip
+    """Rates near those of the mechanism without play, v, as `assembly.consistent_start` finds them; none is given."""
+    held, free = Recording(recorded, recorder), np.full(len(v), np.nan)
+    ways = loop_map(system).arrays["start_ways"]
+
+    def close() -> list[Operand]:
+        closing, rates = held.closing(0.0), v.copy()
+        recorder.recorded(place_rates.python)(closing.workspace, q, rates, free, ways)
+        for _ in range(2):
+            closing.begin(q, rates)
+            closing.close_rates(rates)
+        return [*rates, 0.0]
+
+    return held.guarded(close)
 
 
 def _placing(system: System) -> System:

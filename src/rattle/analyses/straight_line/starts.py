@@ -24,6 +24,7 @@ from rattle.jit import functions
 from rattle.language.recorded import Operand
 from rattle.trace.elementary import lower
 from rattle.trace.graph import Graph
+from rattle.trace.lane_chain import Function
 from rattle.trace.lane_program import Compile, filled
 
 CLOSED = 1e-11  # share of the mechanism's size by which a start may stay open
@@ -51,6 +52,10 @@ class Starts:
         self._assembled = 0  # starts
         self._set = len(model.first.constants) - 1 if model.first else 0  # constants; those of contacts are others
         self._readable, *self._first = (compile_function(*lowered) for lowered in _lowered(model))
+        ideal = None if model.first is None else model.first.ideal
+        self._ideal = [] if ideal is None else [
+            compile_function(*lower(model.graph, outputs)) for outputs in (ideal.correction, ideal.rates)
+        ]  # fmt: skip
 
     def begin(self, values: np.ndarray) -> Begun:
         """Starts at values (np, k) of the chosen parameters [SI]."""
@@ -138,19 +143,21 @@ class Starts:
         inputs = np.zeros((len(self.model.graph.inputs), len(fill)))  # t = 0, y, parameters, constants, E_0
         last = 1 + len(y) + len(values)
         inputs[1 : 1 + len(y)], inputs[1 + len(y) : last] = y[:, fill], values[:, fill]
-        corrected, rates, readable = (np.empty((n, len(fill))) for n in (nq + 2, nq + 2, 1))
+        rates, readable = (np.empty((n, len(fill))) for n in (nq + 2, 1))
         q = inputs[1 : nq + 1]
-        began, left = q.copy(), np.full(len(fill), np.inf)
-        moving, good = np.ones((2, len(fill)), dtype=bool)
         with np.errstate(invalid="ignore", over="ignore"):
-            for _ in range(ROUNDS):  # a sample's own steps decide when it ends, so that others do not change it
-                correct(inputs, corrected)
-                step = np.abs((corrected[:nq] - q) / size).max(axis=0)
-                q[:, moving], left[moving] = corrected[:nq, moving], corrected[nq, moving]
-                good[moving] = corrected[nq + 1, moving] == 1.0
-                moving &= step > SMALL
-                if not moving.any():
-                    break
+            if self._ideal:  # its rates are those with which the others are computed
+                assert self.model.first is not None
+                assert self.model.first.ideal is not None
+                beside, close_ideal = inputs.copy(), self._ideal[1]
+                beside[1 : nq + 1] = self.model.first.ideal.places[:, None]
+                known = self._closed(self._ideal[0], beside, size)
+                close_ideal(beside, rates)
+                inputs[1 + nq : 1 + 2 * nq] = rates[:nq]
+                known &= rates[nq + 1] == 1.0
+            good = self._closed(correct, inputs, size)
+            if self._ideal:
+                good &= known
             for count_constants in count_from:
                 set_ = np.empty((self._set + 1, len(fill)))
                 count_constants(inputs, set_)
@@ -159,14 +166,33 @@ class Starts:
             close_rates(inputs, rates)
             self._readable(inputs, readable)
             missed, sound_rates = rates[nq], rates[nq + 1]
-            good &= (left <= CLOSED * system.size) & (sound_rates == 1.0)
-            good &= np.abs((q - began) / size).max(axis=0) <= FAR
+            good &= sound_rates == 1.0
             good &= missed <= MISSED * np.maximum(1.0, np.abs(rates[:nq]).max(axis=0))
             good &= readable[0] == 1.0
         if constants is not None:
             constants[:] = inputs[last:-1, :count]
         y[:nq], y[nq : 2 * nq] = q[:, :count], rates[:nq, :count]
         return good[:count]
+
+    def _closed(self, correct: Function, inputs: np.ndarray, size: np.ndarray) -> np.ndarray:
+        """Positions closed by Newton's method, into the inputs; True where they are, near where it began.
+
+        size: (3 nb, 1) what steps are compared with [m, m, rad].
+        """
+        nq = len(size)
+        corrected, q = np.empty((nq + 2, inputs.shape[1])), inputs[1 : nq + 1]
+        began, left = q.copy(), np.full(q.shape[1], np.inf)
+        moving, good = np.ones((2, q.shape[1]), dtype=bool)
+        for _ in range(ROUNDS):  # a sample's own steps decide when it ends, so that others do not change it
+            correct(inputs, corrected)
+            step = np.abs((corrected[:nq] - q) / size).max(axis=0)
+            q[:, moving], left[moving] = corrected[:nq, moving], corrected[nq, moving]
+            good[moving] = corrected[nq + 1, moving] == 1.0
+            moving &= step > SMALL
+            if not moving.any():
+                break
+        near = np.abs((q - began) / size).max(axis=0) <= FAR
+        return np.asarray(good & (left <= CLOSED * self.model.system.size) & near)
 
 
 def _lowered(model: RecordedModel) -> list[tuple[Graph, list[Operand]]]:
