@@ -128,12 +128,8 @@ def push(m, n, gap, rate):
 @compiled
 def rub(m, n, normal):
     """Friction [N] of contact n, whose states move, under a normal force [N]; mirrored where that is below zero."""
-    slip, law, p = (
-        m.contact_kinematics[n, at.SLIP],
-        m.friction_table[m.contact[n, at.FRICTION]],
-        m.contact[n, at.FRICTION_P],
-    )
-    first = m.contact[n, at.FIRST_STATE]
+    contact, slip, p = m.contact, m.contact_kinematics[n, at.SLIP], m.contact[n, at.FRICTION_P]
+    law, first = m.friction_table[contact[n, at.FRICTION]], contact[n, at.FIRST_STATE]
     z, dz = m.element_state[first:], m.element_rate[first:]
     end = call_friction(law, (slip, FAINT, z, m.values, p, dz))
     tangent = call_friction(law, (slip, size_of(normal), z, m.values, p, dz))
