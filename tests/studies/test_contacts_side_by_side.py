@@ -731,3 +731,30 @@ def test_a_contact_whose_force_ends_just_where_its_gap_does_is_not_counted_twice
     samples = {"M": random.uniform(1.0, 4.0, 40), "v": random.uniform(0.2, 2.0, 40)}
     outputs = ["count(rail.contacts)", "time(rail.contacts, 2)", "min(block.x)"]
     assert_alike(rt.loads(undamped()), samples, outputs, 1.2, rel=1e-6, abs=1e-8, **FINE)
+
+
+@pytest.mark.parametrize("law", ["kelvin-voigt", "hertz"])
+def test_a_contact_never_pulls_at_its_ends(law):
+    """A damper that pushes from the first depth on has no force just beyond it; others have rounding."""
+    damped = ", restitution = 0.5, effective_mass = 1" if law == "kelvin-voigt" else ""
+    spring = f'{{ model = "{law}", stiffness = 1e5, exponent = 1{damped} }}'
+    m = rt.loads(f"""
+format = 1
+gravity = [0, 0]
+parameters.v = 0.5
+ground.points.O = [0, 0]
+bodies.ball = {{ points = {{ C = [0, 0] }}, mass = 1, inertia = 1 }}
+initial.ball = {{ x = 0, vx = "v" }}
+[joints.rail]
+type = "prismatic"
+connect = ["ground.O", "ball.C"]
+stop = {{ max = 0.01, contact = {spring} }}
+""")
+    speeds = np.linspace(0.4, 0.6, 9)
+    found = m.many({"v": speeds}, ["max(rail.stop)", "final(ball.vx)"], 0.1)
+    assert (found["max(rail.stop)"] <= 0.5).all()
+    for v, after in zip(speeds, found["final(ball.vx)"], strict=True):
+        r = m.set(v=v).simulate(0.1, t_eval=[0.0, 0.1])
+        (one,) = (event for event in r.events if event.kind == "contact")
+        assert m.set(v=v).simulate(0.1, t_eval=[one.t + one.duration])["rail.stop"][0] <= 0.0
+        assert after == pytest.approx(r["ball.vx"][-1], rel=1e-6)

@@ -233,6 +233,11 @@ class Contact:
         """True if it ends where its force does, before its gap opens."""
         return self.normal is not None and registry.normal_law(self.normal.kind).leaf.ends_by_force
 
+    @property
+    def vanishes(self) -> bool:
+        """True if its force is 0 where its gap opens, however fast."""
+        return self.normal is not None and registry.normal_law(self.normal.kind).leaf.vanishes
+
 
 @dataclass(frozen=True)
 class Wear:

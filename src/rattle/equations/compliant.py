@@ -5,8 +5,8 @@ force on A  = +N n + T t
 couple on B = -N m, on A = +N m         m of the normal; with n = 0 the gap is an angle and N a moment [N m]
 power taken from the motion = N ddelta + T u = (stored: F_static ddelta) + (lost: the remainder)    [W]
 
-The forces of a shut contact that is followed go on beyond its end, mirrored there: a step may pass the end before it
-is cut at it, and its dense output is only as good as the forces are smooth.  No motion has them.
+The forces of a shut contact that is followed go on beyond its end, mirrored there, if they are 0 at it: a step may
+pass the end before it is cut at it, and its dense output is only as good as they are smooth.  No motion has them.
 
 Oil in the clearance acts in parallel, see `rattle.elements.film`: its force at the points of the joint, its moments on
 both bodies.  What it loses counts as lost by the mechanism, not by the contact.
@@ -104,11 +104,20 @@ def add_contact_forces(m):
             m.element_rate[k] = 0.0
         if contact[n, at.LEVEL] == 1:
             add_clutch_torque(m, n)
-        elif memory[n, at.CLOSED] == at.SHUT or (memory[n, at.CLOSED] == at.AUTO and kinematics[n, at.GAP] < 0.0):
-            if contact[n, at.WORN] == 0:
-                add_force_of_laws(m, n)
-            elif kinematics[n, at.GAP] < 0.0:
+        elif presses(m, n):
+            if contact[n, at.WORN] == 1:
                 add_worn_contact(m, n)
+            else:
+                add_force_of_laws(m, n)
+
+
+@compiled
+def presses(m, n):
+    """True if contact n exerts a force, or goes on with one beyond its end."""
+    contact, closed = m.contact, m.contact_memory[n, at.CLOSED]
+    if closed == at.SHUT and (contact[n, at.BY_FORCE] == 1 or contact[n, at.VANISHES] == 1):
+        return True
+    return (closed == at.SHUT or closed == at.AUTO) and m.contact_kinematics[n, at.GAP] < 0.0
 
 
 @compiled

@@ -132,6 +132,7 @@ def contact_table(
                     own_columns if labels else -1,
                     len(corners) if leaf.bounded and len(corners) >= FEWEST and corner == corners[0] else 0,
                     int(contact.ends_by_force),
+                    int(contact.vanishes and not leaf.worn),
                 )
                 own_columns += 1 if labels else 0
                 table.append((_tag(kind), a, b, place, corner, *laws, *owned))
@@ -153,6 +154,7 @@ def contact_table(
                 *NO_FILM,
                 0,
                 -1,
+                0,
                 0,
                 0,
             )

@@ -21,6 +21,7 @@ class NormalLaw(ABC):
     """Interface of the laws of the normal force: of contacts, and of strands."""
 
     ends_by_force: ClassVar[bool] = False  # True: its kernel is not clipped, and the contact ends where F = 0
+    vanishes: ClassVar[bool] = False  # True: F = 0 at depth 0 whatever the rate, so that it can go on beyond, mirrored
 
     @classmethod
     @abstractmethod

@@ -96,6 +96,7 @@ WORN = column("contact", "", "1 for a pin and a bush with profiles of wear on an
 OWN_COLUMN = column("contact", "", "number of the column of an output row that is its N alone; -1: none")
 SPAN = column("contact", "", "number of contacts from this one on whose gaps its kernel bounds together; 0: none")
 BY_FORCE = column("contact", "", "1 for a compliant contact that ends where its force does, 0: where its gap opens")
+VANISHES = column("contact", "", "1 for a compliant contact whose force is 0 where its gap opens, and goes on beyond")
 
 ARM_A = column("lever", "m", "longest arm on A to its contact points")
 ARM_B = column("lever", "m", "longest arm on B")

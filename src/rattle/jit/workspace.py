@@ -45,7 +45,7 @@ ARRAYS = {
     "gravity": Array("f1", "2", "m/s^2", "acceleration of free fall, at t = 0 where it is a function of time"),
     "joint": Array("i2", "nj, 5", "", "joints, then drivers"),
     "load": Array("i2", "nl, 5", "", "loads"),
-    "contact": Array("i2", "nc, 25", "", "geometry and laws of every contact point"),
+    "contact": Array("i2", "nc, 26", "", "geometry and laws of every contact point"),
     "lever": Array("f2", "nc, 11", "m or rad", "what bounds the gap of every contact, and by what it is judged"),
     "code": Array(
         "i2", "nk, 4", "", "programs of all expressions, one after the other, with the branches of their switches"

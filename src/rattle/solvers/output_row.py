@@ -124,6 +124,8 @@ def write_contacts(m, row, first):
         c = first + at.PER_JOINT * contact[n, at.OWNER]
         b, p = contact[n, at.B_BODY], joint[contact[n, at.OWNER], at.FIRST_P]
         normal, tangent = kinematics[n, at.NORMAL], kinematics[n, at.TANGENT]
+        if contact[n, at.VANISHES] == 1:  # at its end by rounding
+            normal = max(0.0, normal)
         fx = -normal * kinematics[n, at.NX] + tangent * kinematics[n, at.NY]
         fy = -normal * kinematics[n, at.NY] - tangent * kinematics[n, at.NX]
         sbx, sby = turn_x(body, b, values[p + 2], values[p + 3]), turn_y(body, b, values[p + 2], values[p + 3])

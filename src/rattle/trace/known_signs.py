@@ -20,15 +20,6 @@ class Positive(Symbol):
         return True if isinstance(other, float | int) and other <= 0.0 else super().__gt__(other)
 
 
-class Gap(Symbol):
-    """A gap that is negative where it counts."""
-
-    __slots__ = ()
-
-    def __neg__(self) -> Operand:
-        return positive(super().__neg__())
-
-
 class Depth(Symbol):
     """A gap of either sign whose size is a depth of laws."""
 

@@ -25,7 +25,7 @@ from rattle.solvers.contacts.contact_events import GAUSS, WEIGHTS
 from rattle.solvers.contacts.gap_search import rate_rounding
 from rattle.solvers.nonsmooth.impact_phases import LZB, NEWTON, POISSON
 from rattle.trace.graph import Graph, Symbol, apply, select, summed
-from rattle.trace.known_signs import Depth, positive
+from rattle.trace.known_signs import SHALLOW, Depth, positive
 from rattle.trace.recorded_friction import RecordedFriction
 from rattle.trace.recorded_language import Copies
 from rattle.trace.recorded_rigid import SHUT, SLOTS, RigidContacts, Struck
@@ -200,8 +200,11 @@ class RecordedContacts:
             m.contact_memory[n, at.CLOSED] = told
         else:
             measured = {column: kinematics[n, column] for column in (at.GAP, at.DGAP, at.SLIP)}
+            goes_on = self.table[n, at.VANISHES] or self.table[n, at.BY_FORCE]
             for column, value in measured.items():  # of an open contact numbers with which laws do not switch
-                kinematics[n, column] = select(shut, value, -APART if column == at.GAP else 0.0)
+                ends = column == at.GAP and not goes_on
+                inside = select(value < -SHALLOW, value, -SHALLOW) if ends else value
+                kinematics[n, column] = select(shut, inside, -APART if column == at.GAP else 0.0)
             kinematics[n, at.GAP] = _depth(kinematics[n, at.GAP])
             self._laws(m, n)
             for column, value in measured.items():

@@ -36,6 +36,7 @@ from rattle.trace.recording import Recorder, Recording
 
 KEPT = 1e-9  # share of its size by which a given value may be missed and yet count as kept
 ROUNDING = 1e-14  # share of the largest rate or its size below which a value is said to be 0
+DIGITS = 1e-4  # [rad, sizes of the mechanism] by which given values that have few digits are missed, not more
 RANK = 1e-8  # share of its length that a row adds to others, at least, where it is independent of them
 START_OF = "start of "  # before the name of a coordinate that a driver keeps
 Shift = Callable[[SimpleNamespace | Workspace], None]
@@ -96,6 +97,8 @@ def record_start(
         return None
     q, ideal = y[:nq], None
     slack = KEPT * _scale(system, start.q) * _sizes(system)
+    if strict and _contradicted(system, start):
+        return None
     for k, missed in _rounded(system, start, kept).items() if strict else ():
         kept.also.append(k)
         slack[k] += 2.0 * missed
@@ -278,6 +281,13 @@ def _kept(system: System, start: Assembled, pins: list[str], turn: int) -> Kept 
     if turn == 0:
         kept.needed.extend(k for k in left_at_zero(system, now, wanted) if _add(basis, _unit(len(wanted), k)))
     return kept if len(basis) == len(wanted) else None
+
+
+def _contradicted(system: System, start: Assembled) -> bool:
+    """True if given positions are missed by more than their digits, or given rates are."""
+    missed = np.abs(start.q - given_values(system, 0)) > DIGITS * _sizes(system)
+    rates = given_values(system, 1)
+    return bool(missed.any() or (~np.isnan(rates) & ~_agrees(system, start.v, rates)).any())
 
 
 def _rounded(system: System, start: Assembled, kept: Kept) -> dict[int, float]:

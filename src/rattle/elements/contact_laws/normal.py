@@ -102,6 +102,7 @@ class Damped(NormalLaw):
 class Hysteretic(Damped):
     """A law whose damping grows with the static force, F = F_static (1 + a ddelta/v0)."""
 
+    vanishes = True
     least_speed = Field("m/s", "slower approaches are damped as at this speed", default=1e-3, least="positive")
 
     @classmethod
