@@ -55,7 +55,8 @@ def test_a_law_of_ones_own_is_the_law_of_the_package():
     times = np.linspace(0, 0.01, 50)
     one, two = own.simulate(t_eval=times), theirs.simulate(t_eval=times)
     for name in ("pin.x", "pin.y", "pin.angle", "O.normal", "energy.dissipated"):
-        assert one[name] == pytest.approx(two[name], rel=1e-9, abs=1e-12)  # rounding only: the same formula
+        # the same formula; one's own does not go on beyond the end of a contact, where steps differ
+        assert one[name] == pytest.approx(two[name], rel=1e-7, abs=1e-11)
     assert one.trust.notes == tuple(note for note in two.trust.notes if "restitution" not in note)
 
 
