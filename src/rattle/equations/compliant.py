@@ -147,7 +147,7 @@ def rub(m, n, normal):
 
 @compiled
 def size_of(normal):
-    """Size of a normal force [N]."""
+    """Size of a normal force [N]; recordings say that it is positive."""
     return abs(normal)
 
 

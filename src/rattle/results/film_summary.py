@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -50,16 +50,16 @@ def films(result: Curves) -> dict[str, FilmSummary]:
     return {name: _summary(result, name, form) for name, form in joints if f"{name}.film_thickness" in result}
 
 
-def _summary(result: Curves, name: str, form: dict[str, object]) -> FilmSummary:
+def _summary(result: Curves, name: str, form: dict[str, Any]) -> FilmSummary:
     t = result.t
     offset = result.peaks.get(f"{name}.offset")
     if offset is not None:
-        least, when = float(form["clearance"]) - offset.value, offset.t  # type: ignore[arg-type]
+        least, when = float(form["clearance"]) - offset.value, offset.t
     else:
         high, when = extreme(t, result[f"{name}.eccentricity"])
-        least = float(form["clearance"]) * (1.0 - high)  # type: ignore[arg-type]
+        least = float(form["clearance"]) * (1.0 - high)
     power, leakage = _mean(t, result[f"{name}.friction_power"]), _mean(t, result[f"{name}.leakage"])
-    oil: dict[str, float] = form["oil"]  # type: ignore[assignment]
+    oil: dict[str, float] = form["oil"]
     capacity = oil["density"] * oil["specific_heat"] * leakage
     return FilmSummary(
         least_film=least,

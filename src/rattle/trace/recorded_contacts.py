@@ -268,7 +268,7 @@ class RecordedContacts:
         return Struck(list(state), {}, {}, {}, True, rubs, [False] * len(rubs), 1.0)
 
     def push(self, m: SimpleNamespace, n: int) -> Operand:
-        """Force [N] of contact n that ends by it, also where it would pull; see `contact_events.push`."""
+        """Force [N] of contact n that ends by it, also where it would pull; see `compliant.push`."""
         row = m.contact_kinematics[n]
         force: Operand = self._copies.of(compliant.push.python)(m, n, _depth(row[at.GAP]), row[at.DGAP])[1]
         return Symbol(force.graph, force.place) if isinstance(force, Symbol) else force

@@ -299,9 +299,9 @@ class RigidContacts:
             for pull, row in zip(pulls, g, strict=True)
         ]
         alone = [summed(c * x for c, x in zip(pull.rates, shares.alone, strict=True)) for pull in pulls]
-        known = [(a - alone[w * k], b - alone[w * k + 1] if self.rough else 0.0) for k, (a, b) in enumerate(right)]
+        left = [(a - alone[w * k], b - alone[w * k + 1] if self.rough else 0.0) for k, (a, b) in enumerate(right)]
         loose = [row[r] > DEPENDENT * g[r][r] for r, row in enumerate(rows)]
-        return _Problem(rows, known, [abs(b) for pair in right for b in pair[: self.width]], loose)
+        return _Problem(rows, left, [abs(b) for pair in right for b in pair[: self.width]], loose)
 
     def _pulls(self, m: SimpleNamespace, slots: list[_Slot]) -> list[Pull]:
         """What unit forces N, T of each slot in turn do to joints that rub."""

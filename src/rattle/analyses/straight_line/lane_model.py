@@ -74,11 +74,9 @@ class Asked:
     def towers(self) -> dict[str, tuple[int, int]]:
         """Rows of the largest force and of its mean of joints with rigid contacts, beside which forces may
         rise without meaning; none where no output depends on a force."""
-        known = {**self.model.units, **dict.fromkeys(("t", *self.model.values), "")}
-        rows = {}
-        for joint in may_tower(
-            self.outputs, lambda name: known.get(name, RISING[0]), geometry(self.model.system.model)["joints"]
-        ):
+        units = {**self.model.units, **dict.fromkeys(("t", *self.model.values), "")}
+        joints, rows = geometry(self.model.system.model)["joints"], {}
+        for joint in may_tower(self.outputs, lambda name: units.get(name, RISING[0]), joints):
             curve = self._curve(self.model.symbol(f"{joint}.force"))
             rows[joint] = self._place(Reduction("max", curve)), self._place(Reduction("mean", curve))
         return rows

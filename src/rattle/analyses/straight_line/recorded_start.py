@@ -88,29 +88,38 @@ def record_start(
     system: the model at the parameters' values; recorded: the same with recorded numbers; y: (ny,) symbols.  strict:
     where given values contradict each other at other parameters only assembly knows.
     """
-    nq = 3 * system.body_count
-    closed = _closed(system, start)
-    kept = _kept(_placing(system), start, closed, 0)
-    kept_rates = _kept_rates(system, start)
-    shut = _ideal(system, start) if kept_rates is None and strict else None
-    if kept is None or (kept_rates is None and shut is None):
+    kept = _kept(_placing(system), start, _closed(system, start), 0)
+    if kept is None or (strict and _contradicted(system, start)):
         return None
-    q, ideal = y[:nq], None
     slack = KEPT * _scale(system, start.q) * _sizes(system)
-    if strict and _contradicted(system, start):
-        return None
     for k, missed in _rounded(system, start, kept).items() if strict else ():
         kept.also.append(k)
         slack[k] += 2.0 * missed
+    of_rates = _record_rates(system, start, recorded, recorder, y, slack, strict)
+    if of_rates is None:
+        return None
+    q, (rates, ideal) = y[: 3 * system.body_count], of_rates
     correction, sound_correction, gaps = _positions(recorded, recorder, kept, q, slack)
-    if kept_rates is not None:
-        rates, sound_rates = _rates(recorded, recorder, kept_rates, q)
-    elif shut is not None:
-        rates, sound_rates = _rates_near(system, recorded, recorder, q, y[nq : 2 * nq])
-        ideal = _record_ideal(shut, recorded, recorder, q, slack)
     return RecordedStart(
-        [*correction, sound_correction], [*rates, sound_rates], gaps, _constants(recorded, recorder, q), ideal
-    )
+        [*correction, sound_correction], rates, gaps, _constants(recorded, recorder, q), ideal
+    )  # fmt: skip
+
+
+def _record_rates(
+    system: System, start: Assembled, recorded: System, recorder: Recorder, y: np.ndarray, slack: np.ndarray,
+    strict: bool,
+) -> tuple[list[Operand], RecordedIdeal | None] | None:  # fmt: skip
+    """Rates with their flag, and the start without play if they begin from its own; None if neither is known."""
+    nq, kept = 3 * system.body_count, _kept_rates(system, start)
+    q = y[:nq]
+    if kept is not None:
+        rates, sound = _rates(recorded, recorder, kept, q)
+        return [*rates, sound], None
+    shut = _ideal(system, start) if strict else None
+    if shut is None:
+        return None
+    rates, sound = _rates_near(system, recorded, recorder, q, y[nq : 2 * nq])
+    return [*rates, sound], _record_ideal(shut, recorded, recorder, q, slack)
 
 
 class _Shut(NamedTuple):

@@ -146,18 +146,8 @@ class Starts:
         rates, readable = (np.empty((n, len(fill))) for n in (nq + 2, 1))
         q = inputs[1 : nq + 1]
         with np.errstate(invalid="ignore", over="ignore"):
-            if self._ideal:  # its rates are those with which the others are computed
-                assert self.model.first is not None
-                assert self.model.first.ideal is not None
-                beside, close_ideal = inputs.copy(), self._ideal[1]
-                beside[1 : nq + 1] = self.model.first.ideal.places[:, None]
-                known = self._closed(self._ideal[0], beside, size)
-                close_ideal(beside, rates)
-                inputs[1 + nq : 1 + 2 * nq] = rates[:nq]
-                known &= rates[nq + 1] == 1.0
-            good = self._closed(correct, inputs, size)
-            if self._ideal:
-                good &= known
+            good = self._take_ideal_rates(inputs, size)
+            good &= self._closed(correct, inputs, size)
             for count_constants in count_from:
                 set_ = np.empty((self._set + 1, len(fill)))
                 count_constants(inputs, set_)
@@ -173,6 +163,22 @@ class Starts:
             constants[:] = inputs[last:-1, :count]
         y[:nq], y[nq : 2 * nq] = q[:, :count], rates[:nq, :count]
         return good[:count]
+
+    def _take_ideal_rates(self, inputs: np.ndarray, size: np.ndarray) -> np.ndarray:
+        """The rates without play into the inputs, where those with play begin from them; True where there are some.
+
+        size: as in `_closed`.
+        """
+        ideal, nq = None if self.model.first is None else self.model.first.ideal, len(size)
+        if ideal is None:
+            return np.ones(inputs.shape[1], dtype=bool)
+        correct, close_rates = self._ideal
+        beside, rates = inputs.copy(), np.empty((nq + 2, inputs.shape[1]))
+        beside[1 : nq + 1] = ideal.places[:, None]
+        closed = self._closed(correct, beside, size)
+        close_rates(beside, rates)
+        inputs[1 + nq : 1 + 2 * nq] = rates[:nq]
+        return np.asarray(closed & (rates[nq + 1] == 1.0))
 
     def _closed(self, correct: Function, inputs: np.ndarray, size: np.ndarray) -> np.ndarray:
         """Positions closed by Newton's method, into the inputs; True where they are, near where it began.

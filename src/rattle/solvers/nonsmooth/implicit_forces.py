@@ -24,11 +24,11 @@ from __future__ import annotations
 import math
 
 from rattle.equations.complementarity import contact_row, friction_of, respond
-from rattle.equations.compliant import locate_contacts
+from rattle.equations.compliant import locate_contacts, push
 from rattle.equations.massless import prepare
 from rattle.equations.state import DISSIPATED, IMPULSE, LOSS, STORED, account_at, energies_at
 from rattle.jit import layout as at
-from rattle.jit.families import call_film, call_friction, call_normal, call_stiffness
+from rattle.jit.families import call_film, call_friction
 from rattle.jit.functions import compiled, native
 from rattle.jit.geometry import ends
 from rattle.jit.small_matrices import factor_lu, solve_lu
@@ -137,14 +137,11 @@ def row_on(m, r, response, k):
 @compiled
 def normal_at(m, n, h, rate):
     """N [N] of the dry contact n at the end of a step of length h [s] in which delta changes at this rate [m/s]."""
-    contact, memory, values = m.contact, m.contact_memory, m.values
-    delta = -m.contact_kinematics[n, at.GAP] + 0.5 * h * rate
-    if delta <= 0.0 or memory[n, at.CLOSED] == at.OPEN:
+    gap = m.contact_kinematics[n, at.GAP] - 0.5 * h * rate
+    if gap >= 0.0 or m.contact_memory[n, at.CLOSED] == at.OPEN:
         return 0.0
-    static = call_stiffness(m.stiffness_table[contact[n, at.STATIC]], (delta, values, contact[n, at.STATIC_P]))
-    arguments = (static, delta, rate, memory[n, at.SPEED], values, contact[n, at.NORMAL_P])
-    normal = call_normal(m.normal_table[contact[n, at.NORMAL_LAW]], arguments)
-    return max(0.0, normal) if contact[n, at.BY_FORCE] == 1 else normal
+    normal = push(m, n, gap, -rate)[1]
+    return max(0.0, normal) if m.contact[n, at.BY_FORCE] == 1 else normal
 
 
 @compiled
