@@ -418,6 +418,10 @@ def test_a_signal_without_its_owner_is_taken_for_that_of_the_table_in_which_it_s
     assert "did you mean 'ram.length'?" in str(refusal(text))
 
 
-def test_an_offset_of_teeth_is_refused():
-    with pytest.raises(ModelError, match=r"initial\.mesh: joint 'mesh' has its play along the circumference"):
-        rt.example("gear_rattle").set({"initial.mesh.offset": [1e-5, 0.0]}).system  # noqa: B018
+@pytest.mark.parametrize(
+    ("name", "joint", "why"),
+    [("gear_rattle", "mesh", "has its play along the circumference"), ("cam_lift_off", "face", "only pushes")],
+)
+def test_an_offset_of_what_has_no_pin_is_refused(name, joint, why):
+    with pytest.raises(ModelError, match=rf"initial\.{joint}: joint '{joint}' {why}"):
+        rt.example(name).set({f"initial.{joint}.offset": [1e-5, 0.0]})

@@ -217,6 +217,9 @@ def _initial(values: Values, document: Table, parts: Parts) -> Initial:
             elif name in parts.joints and parts.joints[name].from_start:
                 message = f"joint '{name}' has its play along the circumference, no pin with an offset; give angles"
                 values.wrong(path, f"{message} of its bodies", at_key=True)
+            elif name in parts.joints and parts.joints[name].one_sided is not None:
+                message = f"joint '{name}' only pushes and has no pin with an offset; give places of its bodies"
+                values.wrong(path, message, at_key=True)
             elif "offset" in entry:
                 offsets[name] = parts.read(OFFSET, entry, path)["offset"]
         else:

@@ -110,8 +110,8 @@ class RecordedContacts:
         """What may keep a contact from being recorded, and why, whether it is compliant or rigid; {} is its joint."""
         clutch = bool(entry[at.LEVEL] or entry[at.TOOTHED])
         return [
+            (clutch and not self.lanes, "a clutch ({}) has no derivatives"),
             (bool(entry[at.STATES]) and not self.lanes, CONTACTS.format("friction with states")),
-            (clutch and not self.lanes, "a clutch ({}) cannot be straight-line code"),
         ]
 
     def _unable_impacts(self, entry: np.ndarray, values: np.ndarray, alone: bool) -> list[tuple[bool, str]]:

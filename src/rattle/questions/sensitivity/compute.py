@@ -187,7 +187,9 @@ def _recorded(
         stopped = [
             f"joints.{name}{'' if joint.held_by_stops else '.stop'}" for name, joint in joints if joint.stop is not None
         ]
-        if stopped:
+        if "clutch" in str(error):
+            remedy = "; compare two runs with set()"
+        elif stopped:
             remedy = f"; take derivatives of the mechanism without stops (set {', '.join(stopped)} to None), or compare"
             remedy += " two runs with set()"
         elif len(system.arrays["contact"]):

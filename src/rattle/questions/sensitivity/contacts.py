@@ -413,7 +413,8 @@ class ContactMotion(Motion):
         z, sound = self.functions.projected(self.t, z)
         self.z, self._rates = z, self.functions.rates(self.t, z)
         if not (sound and self._rates.sound):
-            self.message = f"stopped at t = {self.t:.6g} s: a contact begins or ends next to a singular position"
+            beside = "next to a singular position or to the end of a segment"
+            self.message = f"stopped at t = {self.t:.6g} s: a contact begins or ends {beside}"
             return
         self._seen = self._look(self.t, self.z, self._rates)
 
