@@ -82,6 +82,34 @@ def test_a_rotor_in_a_compliant_bush_keeps_all_its_contacts_whatever_is_asked_of
         assert other == pytest.approx(times[-1], abs=1e-7)
 
 
+@pytest.mark.parametrize("joint", ['type = "revolute"', 'type = "slot", axis = 0'])
+def test_play_of_nanometres_is_taken_up_at_every_half_period_of_the_block_on_its_two_springs(joint):
+    K, m, v, t_end = 1e6, 1.0, 0.1, 0.05
+    model = rt.loads(f"""
+format = 1
+gravity = [0, 0]
+parameters = {{ c = 1e-9 }}
+ground.points = {{ O = [0, 0] }}
+bodies.block = {{ points = {{ C = [0, 0] }}, mass = {m}, inertia = 0.01 }}
+[joints.B]
+connect = ["ground.O", "block.C"]
+clearance = "c"
+{joint.replace(", ", chr(10))}
+contact = {{ model = "hertz", stiffness = {K}, exponent = 1, damping = 0, bush_radius = 0.01 }}
+[initial]
+block = {{ x = 0, y = 0, angle = 0, vx = 0, vy = {v}, omega = 0 }}
+""")
+    plays = np.array([1e-9, 3e-9, 1e-8, 1e-7, 1e-6, 1e-5])
+    numbers = range(1, 16)
+    asked = [f"time(B.contacts, {k})" for k in numbers]
+    beside = model.many({"c": plays}, asked, t_end=t_end)
+    for i, c in enumerate(plays):
+        own = c / v + np.arange(15) * (2.0 * c / v + math.pi * math.sqrt(m / K))
+        alone = starts(model.set(c=c).simulate(t_end), "contact")
+        np.testing.assert_allclose(alone[:15], own, rtol=0, atol=1e-8)
+        np.testing.assert_allclose([beside[name][i] for name in asked], own, rtol=0, atol=1e-8)
+
+
 # ---------------------------------------------------------------- two free bodies
 BODIES = {"m": (2.0, 0.7), "J": (0.003, 0.0008), "s": ((0.03, 0.01), (-0.02, 0.02))}
 C, BORE, E_N, MU = 1e-3, 0.01, 0.73, 0.2

@@ -236,7 +236,8 @@ def _held_looks(
         return [*looks, reserve.instead_of(_NOTHING, shut)]
     start, middle, end, most, floor = values[0]
     again = _reserve_at(h, missed, -start, -middle, -end, most, floor)
-    return [*looks, again.instead_of(_NOTHING, released)]
+    through = _NOTHING._replace(free=gap.free, allowed=gap.allowed)  # from wall to wall, without force between them
+    return [*looks, again.instead_of(_NOTHING, released), through.instead_of(_NOTHING, shut)]
 
 
 def _rubbing_looks(
@@ -344,6 +345,9 @@ class _Gap:
         self.curve = Quartic(left[0], left[1], halfway, right[0], right[1])
         self.size = 2.0 * radius if way else 1.0  # of the curve to the gap next to zero
         self.missed = abs(slope - self.curve.slope(0.5))
+        tangents, way = (recorder.recorded(f.python) for f in (gap_search.least_between, gap_search.across_round))
+        self.least = tangents(m, n, side, self.gap, self.rate, self.end, self.end_rate, h, self.bend)
+        self.turned = largest(self.turning * h, way(m, n, side, self.rate, self.end_rate, h, self.bend))
         w, e = self.turning, self.bend
         self.fifth = e * w * w * w  # a bound of the fifth derivative
         if way:
@@ -362,11 +366,10 @@ class _Gap:
         fall = _fall(self.curve, h, (self.gap, self.rate), (self.end, self.end_rate), self.slight, missed)
         inside, arrives, low, zero = fall
         margin = self.missed + self.fifth * h**4 * h / 3840.0
-        smooth = self.turning * h <= gap_search.WHOLE_TURN
+        smooth = self.turned <= gap_search.WHOLE_TURN
         proven = smooth & (self.curve.lowest(margin) >= self.size * low)
         nearest = least(self.gap, self.end)
-        chord = nearest - 0.125 * select(self.shut, bent, self.bend) * h * h >= low
-        free = proven | chord | (abs(self.rate + self.end_rate) >= bent * h)
+        free = proven | (self.least >= low) | (abs(self.rate + self.end_rate) >= bent * h)
         allowed = CAUTION * root(8.0 * largest(nearest - low, LITTLE) / largest(bent, LITTLE))
         return _Look(arrives, self.end < low, free | (arrives & inside), allowed, zero, self.curve.beyond())
 

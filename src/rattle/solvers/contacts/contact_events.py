@@ -248,18 +248,17 @@ def first_change(m, h, until):
     """Share of the step, up to `until`, at which the first contact starts or ends, and its index; NONE if none does."""
     contact, memory, best, who = m.contact, m.contact_memory, NONE, -1
     for n in range(contact.shape[0]):
-        released = memory[n, at.CLOSED] == at.RELEASED
-        side = -1.0 if memory[n, at.CLOSED] == at.SHUT or released else 1.0
-        by_force = contact[n, at.BY_FORCE] == 1 and side < 0.0
-        if contact[n, at.IMPACT] == 0 and (contact[n, at.LEVEL] == 1 or by_force):
-            share = first_turn(m, h, n, min(best, until))
-            if share < best:
-                best, who = max(share, LATER), n
-        ends = released or not (contact[n, at.LEVEL] == 1 or by_force)  # where its gap changes sign
-        if ends and contact[n, at.IMPACT] == 0 and may_reach(m, h, n, side):
+        if contact[n, at.IMPACT] == 1:
+            continue
+        side = 1.0 if memory[n, at.CLOSED] == at.OPEN else -1.0
+        if contact[n, at.LEVEL] == 0 and may_reach(m, h, n, side):  # where its gap changes sign
             share = max(search(m, h, n, side, min(best, until)), beyond_rounding(m, h, n, side))
             if share < best:
                 best, who = share, n
+        if contact[n, at.LEVEL] == 1 or (contact[n, at.BY_FORCE] == 1 and side < 0.0):
+            share = first_turn(m, h, n, min(best, until))
+            if share < best:
+                best, who = max(share, LATER), n
     return best, who
 
 

@@ -20,6 +20,10 @@ A point outside a round of radius c (ROUNDED = 2: the least distance of two poin
 gap bends more, but then the chord of its way passes through the round, and the bound on what is below the samples
 holds.
 
+A contact in a round (ROUNDED = 1) that is shut ends where |e| comes below c.  A way through the round, from wall to
+wall, bends |e| without bound, so that a chord proves nothing there, nor a cubic where the way is not short beside c; but |e|
+is convex in e and so never below the tangents that follow.
+
 Where a contact ends at a point (ONE_WAY) BOW bounds the gap as long as it is more than 1/BOW.  Nearer to that point
 there is no such bound, but what is touched is convex: the gap is not less than the distance from the tangent at either
 sample, so that it is above both
@@ -40,12 +44,12 @@ import math
 
 from rattle.equations.compliant import measure
 from rattle.jit import layout as at  # fmt: skip
-from rattle.jit.choices import assume
+from rattle.jit.choices import TINY, assume, select
 from rattle.jit.functions import compiled, native
 from rattle.solvers.contacts.penetration import OF_COORDINATES, OF_SCALE, scale_of
 from rattle.solvers.dense_output import HALVINGS, INSTANT, OF_STEP
 
-OUTSIDE = 2.0  # ROUNDED of a contact whose B is outside a round
+INSIDE, OUTSIDE = 1.0, 2.0  # ROUNDED of a contact whose B is inside, or outside, a round
 NONE = 2.0  # a share of the step that does not exist
 WHOLE_TURN = 0.5  # angle [rad] up to which a cubic is tried
 BOW_TURNS = 2.0  # of the normal by BOW |e'|: |e| has a fourth derivative of 3 |e'|^4/|e|^3 where it is least
@@ -162,14 +166,26 @@ def near_point(m, n, side, gap, end, speed, dt):
 
 
 @compiled
-def least_outside(gap, rate, end, end_rate, dt, bend):
-    """Least gap of two convex things in an interval of length dt [s], by the tangents at its ends."""
+def least_by_tangents(gap, rate, end, end_rate, dt, bend):
+    """Least gap [m] in an interval of length dt [s], by the tangents at its ends: of convex things.
+
+    bend: bound of the acceleration of what it is convex in [m/s^2].
+    """
     before, after = gap - end + end_rate * dt + 0.5 * bend * dt * dt, rate - end_rate - bend * dt
-    low = min(gap, end)
-    if after != 0.0 and 0.0 < -before / after < dt:
-        t = -before / after
-        low = min(low, gap + t * (rate - 0.5 * bend * t))
-    return low
+    t = min(max(select(after < 0.0, -before / min(after, -TINY), 0.0), 0.0), dt)
+    return min(min(gap, end), gap + t * (rate - 0.5 * bend * t))
+
+
+@compiled
+def least_between(m, n, side, gap, rate, end, end_rate, dt, bend):
+    """Least value [m or rad] of side * gap of contact n in an interval of length dt [s], by values at its ends.
+
+    bend: bound of its second derivative, of contacts in a round that of e.
+    """
+    chord = min(gap, end) - 0.125 * bend * dt * dt
+    if m.lever[n, at.ROUNDED] != INSIDE:
+        return chord
+    return select(side < 0.0, least_by_tangents(gap, rate, end, end_rate, dt, bend), chord)
 
 
 @compiled
@@ -184,6 +200,15 @@ def sweep(m, n, bend, dt, gap):
     return (abs(m.contact_kinematics[n, at.ACROSS]) + bend * dt) / distance, distance
 
 
+@compiled
+def across_round(m, n, side, rate, end_rate, dt, bend):
+    """Bound on the way of a shut contact in a round through it in an interval of length dt [s], as a share of c."""
+    if m.lever[n, at.ROUNDED] != INSIDE:
+        return 0.0
+    way = (max(abs(rate), abs(end_rate)) + bend * dt) * dt
+    return select(side < 0.0, way / scale_of(m, n), 0.0)
+
+
 @native("i", "h", "f", "i", "f")
 def may_reach(m, h, n, side):
     """True unless the ends of the step (length h [s]) prove that side * gap of contact n stays positive in it."""
@@ -196,11 +221,11 @@ def may_reach(m, h, n, side):
         return True
     bend, plain, _, speed = bounds(m, h, n)
     if near_point(m, n, side, gap, end, speed, h):
-        return least_outside(gap, rate, end, end_rate, h, plain) < least
+        return least_by_tangents(gap, rate, end, end_rate, h, plain) < least
+    if least_between(m, n, side, gap, rate, end, end_rate, h, bend) >= least:
+        return False
     round_, distance = sweep(m, n, bend, h, max(abs(gap), abs(end)) if side > 0.0 else 0.0)
     curve = bend + round_ * round_ * distance
-    if min(gap, end) - 0.125 * (bend if side > 0.0 else curve) * h * h >= least:
-        return False
     return abs(rate + end_rate) < curve * h
 
 
@@ -295,8 +320,9 @@ def judge(m, n, side, dt, tiny, bend, turning, gap, rate, end, end_rate, least):
     round_, distance = sweep(m, n, bend, dt, max(gap, end) if side > 0.0 else 0.0)
     curve = bend + round_ * round_ * distance
     falling, rising = rate + end_rate <= -curve * dt, rate + end_rate >= curve * dt
-    free = falling or rising or tiny or min(gap, end) - 0.125 * (bend if side > 0.0 else curve) * dt * dt >= least
-    return end < least and (falling or tiny), free, curve, max(turning, round_) * dt
+    free = falling or rising or tiny or least_between(m, n, side, gap, rate, end, end_rate, dt, bend) >= least
+    wide = max(max(turning, round_) * dt, across_round(m, n, side, rate, end_rate, dt, bend))
+    return end < least and (falling or tiny), free, curve, wide
 
 
 @compiled
@@ -347,7 +373,7 @@ def search(m, h, n, side, until):
         near = near_point(m, n, side, gap, end, speed, dt)
         below, free, curve, wide = judge(m, n, side, dt, tiny, bend, turning, gap, rate, end, end_rate, least)
         if near:
-            free = tiny or least_outside(gap, rate, end, end_rate, dt, plain) >= least
+            free = tiny or least_by_tangents(gap, rate, end, end_rate, dt, plain) >= least
         if below:
             return first_below(m, h, n, side, begin, at_begin, rate_begin, right, end)
         if end < least or not free:
