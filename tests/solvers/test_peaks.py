@@ -10,6 +10,8 @@ from click.testing import CliRunner
 import rattle as rt
 from rattle.cli.main import main
 from rattle.results.contact_summary import extreme, rms
+from rattle.results.evaluation import evaluate
+from rattle.results.reductions import Known, read
 
 FORCES = (".force", ".moment", ".torque", ".power", ".normal")
 
@@ -149,3 +151,23 @@ def test_a_peak_next_to_a_singular_position_is_found_within_long_steps():
     m = rt.example("jansen_leg")
     largest = m.inverse_dynamics(np.linspace(1.06, 1.07, 201))["O.force"].max()
     assert m.simulate(1.2).peak("O.force")[0] == pytest.approx(largest, rel=1e-6)
+
+
+@pytest.mark.parametrize("stiffness", [1e7, 1e11, 1e14])
+def test_the_greatest_value_of_an_expression_in_a_short_contact_is_that_of_the_closed_form(stiffness):
+    n, mass, v = 1.5, 2.0, 1.0
+    r = rt.loads(f"""
+format = 1
+gravity = [0, 0]
+ground.points = {{ O = [0, 0] }}
+bodies.block = {{ points = {{ C = [0, 0] }}, mass = {mass}, inertia = 1 }}
+[joints.guide]
+type = "prismatic"
+connect = ["ground.O", "block.C"]
+stop = {{ max = 0.12, contact = {{ model = "hertz", stiffness = {stiffness}, exponent = {n}, damping = 0 }} }}
+[initial]
+block = {{ x = 0, vx = {v} }}
+""").simulate(0.2)
+    deep = (0.5 * (n + 1.0) * mass * v**2 / stiffness) ** (1.0 / (n + 1.0))
+    pushes = evaluate(read("max(3*abs(guide.stop) + 1 N)", Known.of(r)), r)
+    assert pushes == pytest.approx(3.0 * stiffness * deep**n + 1.0, rel=1e-6)

@@ -1,7 +1,8 @@
 """Output rows beside events: pairs of them at an event, just before and just after, and single ones in short contacts.
 
 Between two of them every curve is smooth, at a pair it jumps or bends.  A compliant contact may begin and end between
-two outputs: rows at the ends of its steps tell how forces and accelerations rise and fall in it.
+two outputs: rows at the ends of its steps, and where its force is largest, tell how forces and accelerations rise and
+fall in it.
 
 `break_rows` holds the rows; `break_times` their number, which has 0.5 more while a pair waits for its second row, then
 their times [s].  When there is no room for a pair the event is left out; without such arrays all are.
@@ -56,14 +57,21 @@ def in_contact(m):
     return False
 
 
+@native("void", "h", "f", "v")
+def row_within(m, t, y):
+    """Write a row at (t [s], y), in a compliant contact."""
+    k = rows_filled(m)
+    if k < m.break_rows.shape[0]:
+        record(m, t, y, m.break_rows[k])
+        m.break_times[k + 1] = t
+        m.break_times[0] = k + 1.0
+
+
 @native("void", "h", "f", "i", "i")
 def rows_at_end(m, t, bends, written):
     """Write the row after a step that has ended at (t [s], state): just after an event if it `bends` there, or in a
     compliant contact where outputs, of which there were `written` before, are not closer to each other than steps."""
-    k = rows_filled(m)
     if bends == 1:
         after_break(m, t, m.state)
-    elif k < m.break_rows.shape[0] and m.tally[at.OUTPUTS] <= written + 1 and in_contact(m):
-        record(m, t, m.state, m.break_rows[k])
-        m.break_times[k + 1] = t
-        m.break_times[0] = k + 1.0
+    elif m.tally[at.OUTPUTS] <= written + 1 and in_contact(m):
+        row_within(m, t, m.state)

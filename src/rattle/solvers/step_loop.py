@@ -27,7 +27,7 @@ from rattle.equations.unilateral import LOCKED
 from rattle.jit import layout as at
 from rattle.jit.families import call_stepper
 from rattle.jit.functions import compiled, native
-from rattle.solvers.breaks import before_break, keeps_breaks, rows_at_end
+from rattle.solvers.breaks import before_break, keeps_breaks, row_within, rows_at_end
 from rattle.solvers.contacts.contact_events import (
     find_peaks,
     first_change,
@@ -379,13 +379,17 @@ def go_to(m, t, h, until, t_until, met, quiet, changed, t_out, out):
     Returns OK, or ESCAPED.
     """
     y_new, stage = m.state_new, m.stage
-    find_peaks(m, until, 0 if quiet or not watches_forces(m) else 1)
+    summit = find_peaks(m, until, 0 if quiet or not watches_forces(m) else 1)
     if changed:
         find_crossings(m, t, h, until)
     if met:
         interpolate(m, until, y_new)
     if not quiet and not write_until(m, t, h, t_until, t_out, out):
         return ESCAPED
+    if summit < until and keeps_breaks(m):
+        interpolate(m, summit, stage)
+        project_state(m, t + summit * h, stage)
+        row_within(m, t + summit * h, stage)
     if keeps_breaks(m) and (met or m.landing[at.LANDS] > 0.0):
         before = just_before(m, until, met)
         if before < until:

@@ -345,9 +345,11 @@ class _Gap:
         self.curve = Quartic(left[0], left[1], halfway, right[0], right[1])
         self.size = 2.0 * radius if way else 1.0  # of the curve to the gap next to zero
         self.missed = abs(slope - self.curve.slope(0.5))
-        tangents, way = (recorder.recorded(f.python) for f in (gap_search.least_between, gap_search.across_round))
-        self.least = tangents(m, n, side, self.gap, self.rate, self.end, self.end_rate, h, self.bend)
-        self.turned = largest(self.turning * h, way(m, n, side, self.rate, self.end_rate, h, self.bend))
+        least_between, across_round = (
+            recorder.recorded(f.python) for f in (gap_search.least_between, gap_search.across_round)
+        )
+        self.least = least_between(m, n, side, self.gap, self.rate, self.end, self.end_rate, h, self.bend)
+        self.turned = largest(self.turning * h, across_round(m, n, side, self.rate, self.end_rate, h, self.bend))
         w, e = self.turning, self.bend
         self.fifth = e * w * w * w  # a bound of the fifth derivative
         if way:

@@ -39,6 +39,7 @@ PEAK_WIDTH = 1e-6  # share of a step in which the largest force is enclosed: its
 FIRST_STEP = 0.01  # of a contact, as a share of its expected duration: its force starts with a fractional power
 LATER = 1e-7  # largest share of a step at which a contact changes whose gap had the wrong sign at its start by rounding
 LEFT = 1e-13  # share of what is left of the mode of a clutch at the start of a step, which is rounding below zero
+INSIDE = 1e-3  # share of a step next to its ends in which a peak is none inside of it
 NEAR_PEAK = 0.7  # share of the peak so far that a force at an end of a step exceeds if a higher one may be inside
 AFTER_CONTACT = 0.3  # share of the last step before a contact that the step after it may have at once
 
@@ -275,7 +276,7 @@ def near_peak(m):
 
 @compiled
 def highest_force(m, n, until):
-    """Largest force [N] of compliant contact n up to the share `until` of the step, from the dense output.
+    """Largest force [N] of compliant contact n up to the share `until` of the step, from the dense output; its share.
 
     By samples, and by golden section around the largest of them, the ends of the step included.
     """
@@ -285,7 +286,7 @@ def highest_force(m, n, until):
         if force > high:
             high, best = force, part
     if high <= m.contact_memory[n, at.PEAK] * (1.0 - FLAT):
-        return high
+        return high, until * best / PEAK_PARTS
     low, top = until * max(best - 1, 0) / PEAK_PARTS, until * min(best + 1, PEAK_PARTS) / PEAK_PARTS
     left, right = top - GOLDEN * (top - low), low + GOLDEN * (top - low)
     first, second = normal_at(m, left, n), normal_at(m, right, n)
@@ -299,24 +300,28 @@ def highest_force(m, n, until):
             low, left, first = left, right, second
             right = low + GOLDEN * (top - low)
             second = normal_at(m, right, n)
-    return max(high, first, second)
+    return max(high, first, second), 0.5 * (low + top)
 
 
-@native("void", "h", "f", "i")
+@native("f", "h", "f", "i")
 def find_peaks(m, until, sampled):
     """Largest force [N] of every compliant contact up to the share `until` of the step.
 
-    sampled: also from the dense output.
+    sampled: also from the dense output.  Returns the share at which one has a new peak inside of that; NONE: none has.
     """
-    contact, memory = m.contact, m.contact_memory
+    contact, memory, summit = m.contact, m.contact_memory, NONE
     for n in range(memory.shape[0]):
         if contact[n, at.IMPACT] == 1 or memory[n, at.CLOSED] != at.SHUT:
             continue
         memory[n, at.STEPS_IN] += 1.0
         high = max(memory[n, at.N_0], memory[n, at.N_1] if until >= 1.0 else 0.0)
         if sampled and max(memory[n, at.N_0], memory[n, at.N_1]) > NEAR_PEAK * memory[n, at.PEAK]:
-            high = max(high, highest_force(m, n, until))
+            top, share = highest_force(m, n, until)
+            if top > max(high, memory[n, at.PEAK]) and INSIDE * until < share < (1.0 - INSIDE) * until:
+                summit = share
+            high = max(high, top)
         memory[n, at.PEAK] = max(memory[n, at.PEAK], high)
+    return summit
 
 
 @compiled

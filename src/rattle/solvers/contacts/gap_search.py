@@ -21,8 +21,8 @@ gap bends more, but then the chord of its way passes through the round, and the 
 holds.
 
 A contact in a round (ROUNDED = 1) that is shut ends where |e| comes below c.  A way through the round, from wall to
-wall, bends |e| without bound, so that a chord proves nothing there, nor a cubic where the way is not short beside c; but |e|
-is convex in e and so never below the tangents that follow.
+wall, bends |e| without bound, so that a chord proves nothing there, nor a cubic where the way is not short beside c;
+but |e| is convex in e and so never below the tangents that follow.
 
 Where a contact ends at a point (ONE_WAY) BOW bounds the gap as long as it is more than 1/BOW.  Nearer to that point
 there is no such bound, but what is touched is convex: the gap is not less than the distance from the tangent at either
