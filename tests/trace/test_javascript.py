@@ -117,7 +117,7 @@ def started(folder, name, change):
     def evaluated(graph, outputs):
         return lambda x, out: np.copyto(out, graph.evaluate(outputs, x))
 
-    starts = Starts(model.recorded(list(p)), evaluated)
+    starts = Starts(model.recorded(list(p), lanes=False), evaluated)
     (folder / "model.mjs").write_text(module_of(made), encoding="utf-8")
     script = f'import {{ start }} from "./model.mjs"; console.log(JSON.stringify([...start({json.dumps(p)})]));'
     return np.array(node(folder, script)), starts, starts.begin(np.array(list(p.values()))[:, None])

@@ -139,6 +139,7 @@ class AnalysedModel(WrittenModel):
             parameters,
             contacts=contacts,
             lanes=contacts and lanes,
+            as_alone=lanes,
             beside=beside,
             crowded=crowded,
         )

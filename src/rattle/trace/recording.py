@@ -281,6 +281,16 @@ class Closing:
         q += self.workspace.change
         self.place(q, v)
 
+    def approach(self, q: np.ndarray, way: np.ndarray) -> None:
+        """One correction of the positions a way further (3 nb,), in place, with the factor and the rows at hand."""
+        self.place(q, way)
+        for row in self.workspace.rows:
+            row[at.NU] = -row[at.RES]
+        self._run(motion.rate_residual)
+        self._run(motion.correct)
+        q += way + self.workspace.change
+        self.place(q, np.zeros(len(q), dtype=object))
+
     def gap(self) -> Operand:
         """The largest residual [m or rad]."""
         gap: Operand = self._run(motion.residual)

@@ -12,12 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle.analyses.assembly.branches import alone_within, as_near
 from rattle.analyses.assembly.computable import not_finite, require_digits
 from rattle.analyses.assembly.held_bodies import with_held_bodies
 from rattle.analyses.assembly.loop_map import loop_map
 from rattle.analyses.assembly.outside import least_gaps, outside
 from rattle.analyses.assembly.pins import held_pins, holds_by_contacts, play_arrays, pressed, undetermined, with_play
-from rattle.analyses.assembly.rank import RANK, loose_without_mass, scaled_rows
+from rattle.analyses.assembly.rank import loose_without_mass
 from rattle.analyses.assembly.searching import first_guess, search_arrays, why_open_from
 from rattle.analyses.assembly.start_constants import (
     constants_at,
@@ -35,10 +36,10 @@ from rattle.analyses.assembly.start_values import (
     left_at_zero,
     places,
 )
-from rattle.analyses.assembly.tied_bodies import given_in_one_turn, groups_at
+from rattle.analyses.assembly.tied_bodies import given_in_one_turn
 from rattle.analyses.assembly.unclosed import without_value
 from rattle.analyses.assembly.without_play import along_reactions, ideal_model, ideal_start
-from rattle.description.model import GROUND, Contact, Model
+from rattle.description.model import Contact, Model
 from rattle.equations import start_columns as of
 from rattle.equations.closure import close_rate, open_by, place_only
 from rattle.equations.dense import LARGE
@@ -47,7 +48,6 @@ from rattle.equations.motion import constraints, drive
 from rattle.equations.placement import pose
 from rattle.equations.start import NOT_HELD, close_near, find_positions, place_rates, put_inside
 from rattle.equations.start import outside as _outside
-from rattle.equations.start_search import KEPT, WORTH
 from rattle.equations.system import System, compile_system, is_link
 from rattle.errors import AssemblyError
 from rattle.jit import layout as at
@@ -55,7 +55,6 @@ from rattle.jit.functions import IN_PYTHON
 from rattle.jit.workspace import Workspace
 
 HOLD = 1e-6  # factor on the inverse mass of given rates, in mechanisms too large for `start_values`
-ALONE = 10.0  # bending of closed positions, about 2, with room for what is not counted
 SLANT = 0.01  # part of an offset along a guide or slot, in clearances, that is put down to its angle, known roughly
 
 
@@ -345,39 +344,11 @@ def _near_by(system: System, workspace: Workspace, wanted: np.ndarray) -> tuple[
     if became != MOVED:
         return None
     change = change_of_given(system, q, wanted)
-    kept = change <= max(KEPT, WORTH * change_of_given(system, start, wanted))
-    if not kept and not _nearest_alone(system, workspace, q, change):
+    kept = change <= as_near(change_of_given(system, start, wanted))
+    if not kept and not math.sqrt(change) < alone_within(system, workspace, q):
         return None
     keep_given(workspace, 0.0, q, wanted, system.size)
     return q, iterations
-
-
-def _nearest_alone(system: System, workspace: Workspace, q: np.ndarray, change: float) -> bool:
-    """True if no other closed positions can change given values less than q (3 nb,) does, squared: `change`.
-
-    Where all angles are given or driven, and places follow from angles, those would be near q; and near q there is one
-    sheet of closed positions only, as it bends by about 1 / sigma, the least singular value of the constraints that is
-    not zero.
-    """
-    if not ALONE * math.sqrt(change) < 1.0 or not system.fact("angles known", lambda: _angles_known(system)):
-        return False
-    open_by(workspace, 0.0, q, np.zeros_like(q))
-    values = np.linalg.svd(scaled_rows(system, workspace), compute_uv=False)
-    least = values[values > RANK * values[0]].min(initial=values[0])
-    return bool(least > ALONE * math.sqrt(change))
-
-
-def _angles_known(system: System) -> bool:
-    """True if the angle of every body is given, or tied by joints and drivers to one that is, or to the ground.
-
-    And if the joints are linear in the places of the bodies.
-    """
-    if not all(joint.places and joint.distance == 0.0 for joint in system.model.joints.values()):
-        return False
-    groups = groups_at(system, 0.0)
-    bodies = system.model.initial.bodies
-    determined = {groups[GROUND][0], *(groups[name][0] for name, values in bodies.items() if "angle" in values)}
-    return all(group in determined for group, _ in groups.values())
 
 
 def _without_drivers(system: System, workspace: Workspace, t: float) -> None:

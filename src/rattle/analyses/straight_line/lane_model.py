@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rattle.analyses.straight_line.recorded_model import RecordedModel
-from rattle.analyses.straight_line.recorded_start import driven_bodies
+from rattle.analyses.straight_line.start_kept import driven_bodies
 from rattle.analyses.straight_line.starts import Starts
 from rattle.description import model as description
 from rattle.equations.state import STORED, state_layout

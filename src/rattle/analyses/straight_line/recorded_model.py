@@ -171,12 +171,13 @@ class RecordedModel:
 
 def record_model(
     document: Tree, system: System, start: Assembled, names: Sequence[str] = (), *, contacts: bool = False,
-    lanes: bool = False, beside: float = 0.0, crowded: bool = False,
+    lanes: bool = False, beside: float = 0.0, crowded: bool = False, as_alone: bool = False,
 ) -> RecordedModel:  # fmt: skip
     """Record a model.  names: parameters that become inputs.
 
     document: the tables of the model file, of which `system` was made.  contacts: whether contacts are recorded, their
     states as further constants; lanes: as these follow them, else for derivatives.  beside, crowded: see `Recorder`.
+    as_alone: whether starts must be those of runs alone wherever they are said to hold, see `record_start`.
     Raises TraceError, with the reason, where it cannot be straight-line code; UnknownName.
     """
     require_parameters(system, names)
@@ -198,7 +199,7 @@ def record_model(
     curves["energy.balance"] = curves["energy.balance"] - graph.input()
     for n in np.flatnonzero(_end_at_points(system)):
         curves.pop(f"{system.joints[system.arrays['contact'][n, at.OWNER]]}.gap", None)
-    first = record_start(system, start, recorded, recorder, y, lanes) if names else None
+    first = record_start(system, start, recorded, recorder, y, as_alone) if names else None
     model = RecordedModel(
         document, system, start, {name: system.model.parameters[name].value for name in names}, graph,
         [*rate, sound_rate], [*closed, sound_closed],

@@ -31,6 +31,7 @@ CLOSED = 1e-11  # share of the mechanism's size by which a start may stay open
 MISSED = 1e-8  # share of the largest rate by which a rate that the user gave may be missed
 FAR = 0.5  # largest change from the start of the model itself [rad, sizes of the mechanism]; beyond, assembly decides
 ROUNDS = 30  # of Newton's method
+SETTLED = 1e-11  # the same, up to which positions count as found
 SMALL = 1e-14  # its last step [rad, sizes of the mechanism]
 OTHER = "with these parameters the model has another form"
 
@@ -187,18 +188,18 @@ class Starts:
         """
         nq = len(size)
         corrected, q = np.empty((nq + 2, inputs.shape[1])), inputs[1 : nq + 1]
-        began, left = q.copy(), np.full(q.shape[1], np.inf)
+        began, left, last = q.copy(), *np.full((2, q.shape[1]), np.inf)
         moving, good = np.ones((2, q.shape[1]), dtype=bool)
         for _ in range(ROUNDS):  # a sample's own steps decide when it ends, so that others do not change it
             correct(inputs, corrected)
             step = np.abs((corrected[:nq] - q) / size).max(axis=0)
-            q[:, moving], left[moving] = corrected[:nq, moving], corrected[nq, moving]
+            q[:, moving], left[moving], last[moving] = corrected[:nq, moving], corrected[nq, moving], step[moving]
             good[moving] = corrected[nq + 1, moving] == 1.0
             moving &= step > SMALL
             if not moving.any():
                 break
         near = np.abs((q - began) / size).max(axis=0) <= FAR
-        return np.asarray(good & (left <= CLOSED * self.model.system.size) & near)
+        return np.asarray(good & (left <= CLOSED * self.model.system.size) & (last <= SETTLED) & near)
 
 
 def _lowered(model: RecordedModel) -> list[tuple[Graph, list[Operand]]]:

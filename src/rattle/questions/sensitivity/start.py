@@ -10,7 +10,7 @@ import numpy as np
 from rattle.analyses.straight_line.linearised import Linearised
 from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.recorded_model import RecordedModel
-from rattle.analyses.straight_line.recorded_start import lacking
+from rattle.analyses.straight_line.start_kept import lacking
 from rattle.analyses.straight_line.starts import Starts
 from rattle.errors import TraceError
 from rattle.questions.sensitivity.parameters import Parameters
