@@ -153,6 +153,18 @@ def test_values_against_the_joints_are_said():
     )
 
 
+@pytest.mark.parametrize("angle", [0.0, 1e-30, 1e-9, 1e-3])
+@pytest.mark.parametrize(
+    "given", [{"crank.vx": 0.1}, {"crank.vx": 0.1, "arm.vy": 0.1}, {"rod.omega": -0.7, "crank.vx": 1e-3}]
+)
+def test_given_rates_that_a_motor_does_not_let_be_change_no_others(angle, given):
+    """At rest on its dead centre a crank's vx hardly depends on its angular velocity: 0.1 m/s were 1e26 rad/s."""
+    free = rt.example("wiper").set({"drivers.motor.angle": f"speed*t + {angle}"})
+    m = free.set({f"initial.{name}": value for name, value in given.items()})
+    np.testing.assert_allclose(m.start.v, free.start.v, rtol=0, atol=1e-7)
+    assert all(f"asked for {name} = " in str(m.start.notes) for name in given)
+
+
 def test_rough_angles_of_a_driven_linkage_are_said_by_the_check_alone():
     m = rt.example("five_bar")
     assert "asked for left_forearm.angle = 50 deg, got 45.3653 deg" in str(m.check())

@@ -263,7 +263,7 @@ def test_an_instant_may_follow_from_parameters_that_differ():
 
 
 @pytest.mark.nojit
-@pytest.mark.parametrize(("example", "name", "compiled"), [("path_generator", "a", True), ("fourbar", "l2", False)])
+@pytest.mark.parametrize(("example", "name", "compiled"), [("crank_rocker_play", "dx", True), ("fourbar", "l2", False)])
 def test_starts_that_are_found_one_by_one_use_machine_code_and_recorded_ones_need_none(
     example, name, compiled, monkeypatch
 ):

@@ -145,7 +145,7 @@ def least_change(m, prescribed, size):
     coordinates.
     """
     rows, wide, change, more = m.kept_rows, m.kept_wide, m.kept_places[CHANGE], m.kept_places[MORE]
-    wanted, rest = m.kept_sides[WANTED], m.kept_sides[REST]
+    wanted, rest, root = m.kept_sides[WANTED], m.kept_sides[REST], m.kept_places[ROOT]
     nr, n = rows.shape[0], prescribed.shape[0]
     for k in range(n):
         change[k] = 0.0
@@ -156,14 +156,21 @@ def least_change(m, prescribed, size):
             combine_rows(m, prescribed, rank, j)
         shortest(m, nr - rank, m.kept_sides[SIDE], change)
     for r in range(nr):
-        value = wanted[r]
+        value, whole, square = wanted[r], 0.0, 0.0
         for k in range(n):
+            weighted = (rows[r, k] * root[k]) ** 2
+            whole += weighted
             if prescribed[k] == prescribed[k]:
                 value -= rows[r, k] * change[k]
                 wide[r, k] = 0.0
             else:
                 wide[r, k] = rows[r, k]
+                square += weighted
         rest[r] = value
+        if square < RANK * RANK * whole:  # others move next to nothing in this row, as at a dead centre
+            rest[r] = 0.0
+            for k in range(n):
+                wide[r, k] = 0.0
     if others > 0:
         shortest(m, nr, rest, more)
         for k in range(n):

@@ -15,6 +15,7 @@ from rattle.equations.kept_values import MOVED, NOT_CLOSED, NOT_FINITE, hold_pin
 from rattle.equations.motion import drive, solve_motion
 from rattle.equations.start_search import ALONG, arm, copy_numbers, find_closing, least_open
 from rattle.jit import layout as at
+from rattle.jit.choices import select
 from rattle.jit.functions import compiled, native
 
 TOO_FAR, NOT_HELD = range(4, 6)  # what became of positions, besides those of `kept_values`
@@ -108,8 +109,9 @@ def press_pins(m, t, q, v, first, pins):
         x, y = -m.multiplier[first[n]], -m.multiplier[first[n] + 1]  # on B
         force = math.hypot(x, y)
         pressed = force > NO_FORCE * most
-        pins[n, 1] = (-x / force if pressed else 1.0) * pins[n, 0]
-        pins[n, 2] = (-y / force if pressed else 0.0) * pins[n, 0]
+        size = select(pressed, force, 1.0)
+        pins[n, 1] = select(pressed, -x / size, 1.0) * pins[n, 0]
+        pins[n, 2] = select(pressed, -y / size, 0.0) * pins[n, 0]
 
 
 @native("i", "h", "v")

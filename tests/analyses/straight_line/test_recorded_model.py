@@ -21,9 +21,6 @@ SMOOTH = (
     "balanced_arm", "chain", "double_pendulum", "five_bar", "fourbar", "path_generator", "quick_return", "slider_crank",
     "squeezer", "toggle", "toggle_clamp", "windows",
 )  # fmt: skip
-ASSEMBLED = {  # whose start only the assembly knows
-    "path_generator": "the reactions of the mechanism without play place the pins",
-}
 GRAVITY = 'gravity = [0, "-9.81 m/s^2"]'
 PENDULUM = """
 format = 1
@@ -126,7 +123,7 @@ def test_starts_are_those_of_the_assembly(name):
     starts = Starts(m.recorded(list(m.parameters)), evaluate)
     values = changed(starts.model, np.random.default_rng(2), np.array([0.0, 1e-6, 1e-3, 1e-2]), 4)
     begun = starts.begin(values)
-    assert begun.assembled[1:].all() == (name in ASSEMBLED)
+    assert not begun.assembled[:2].any()  # others may be on another branch
     for n, column in enumerate(values.T):
         want = start_state(*starts.assemble(column))
         np.testing.assert_allclose(begun.y[:, n], want, rtol=0.0, atol=2e-13 * max(1.0, np.abs(want).max()))
@@ -144,6 +141,10 @@ def test_starts_are_those_of_the_assembly(name):
         ("squeezer", [], True),  # likewise, beside a dead centre
         ("fourbar_onesided", [], True),  # likewise, with a motor
         ("wiper", [], True),  # its given angles are far from where its joints close
+        ("path_generator", [], True),  # reactions press its pins on their bushes
+        ("gripper", [], True),  # which they do not: nothing presses them
+        ("torque_converter_epicyclic", [], True),  # its given rates contradict each other at other parameters
+        ("crank_rocker_play", [], False),  # likewise, with play
     ],
 )
 def test_starts_of_samples_are_those_of_their_own_runs(name, lacks, recorded):

@@ -34,19 +34,21 @@ from rattle.analyses.straight_line.start_kept import (
     kept_rates,
     kept_values,
     placing_system,
-    rates_contradict,
+    pressed_offsets,
+    rates_as_alone,
     scale_of,
 )
-from rattle.analyses.straight_line.start_rows import START_OF, at_offsets, held_system, sizes
+from rattle.analyses.straight_line.start_rows import START_OF, at_offsets, held_system, sizes, with_offsets
 from rattle.equations.closure import close_rate
 from rattle.equations.placement import point_at
-from rattle.equations.start import place_rates
+from rattle.equations.start import place_rates, press_pins
 from rattle.equations.system import System, compile_system, is_link
 from rattle.jit import layout as at
 from rattle.language.recorded import Flag, Operand, symbol_of
 from rattle.trace.lane_methods import total
 from rattle.trace.recording import Recorder, Recording
 
+BALANCES = 4  # corrections of rates that balance each other: each leaves 1/FIRST of the error
 FIRST = 1e6  # by how much more easily coordinates move that are not given than those that are, in one step
 
 
@@ -68,12 +70,15 @@ class RecordedStart:
     constants: list[
         Operand
     ]  # (nc,) those that the start sets, at closed positions [m or rad]; then a flag if there are any
-    ideal: RecordedIdeal | None = None  # whose rates are those of the state with which `rates` are computed
+    ideal: RecordedIdeal | None = None  # the start without play, where this one depends on it
 
 
 @dataclass(frozen=True)
 class RecordedIdeal:
-    """The start of the mechanism without play, with whose rates one with play begins, on inputs of the same kind."""
+    """The start of the mechanism without play, on inputs of the same kind.
+
+    Of one with play `correction` takes its positions, and `rates` its rates, in place of rates.
+    """
 
     places: np.ndarray  # (3 nb,) near which it is [m, m, rad]
     correction: list[Operand]  # as of `RecordedStart`
@@ -88,38 +93,29 @@ def record_start(
     system: the model at the parameters' values; recorded: the same with recorded numbers; y: (ny,) symbols.  strict:
     where given values contradict each other at other parameters only assembly knows.
     """
+    nq, shut = 3 * system.body_count, _without_play(system) if strict else None
+    offsets = {} if shut is None else pressed_offsets(system, start)
+    if offsets:
+        system = with_offsets(system, offsets)
     placing, pins = placing_system(system), closed_joints(system, start)
     kept = kept_values(placing, start, pins, 0)
+    by_rates = kept_rates(system, start)
     if strict:
-        kept = None if rates_contradict(system, start) else as_alone(placing, start, pins, kept)
-    if kept is None:
+        kept, by_rates = as_alone(placing, start, pins, kept), rates_as_alone(system, start, by_rates)
+    beside = shut is not None and by_rates is None and _begins_beside(system, start, shut.start)
+    if kept is None or (by_rates is None and not beside):
         return None
-    slack = KEPT * scale_of(system, start.q) * sizes(system)
-    of_rates = _record_rates(system, start, recorded, recorder, y, slack, strict)
-    if of_rates is None:
-        return None
-    q, (rates, ideal) = y[: 3 * system.body_count], of_rates
-    correction, sound_correction, gaps = _positions(recorded, recorder, kept, q, slack)
+    slack, q = KEPT * scale_of(system, start.q) * sizes(system), y[:nq]
+    if by_rates is None:
+        rates, sound_rates = _rates_near(system, recorded, recorder, q, y[nq : 2 * nq])
+    else:
+        rates, sound_rates = _rates(recorded, recorder, by_rates, q)
+    presses = _Presses(list(offsets), recorded, recorder, y[nq : 2 * nq], shut.rates if shut else Kept([], [], []))
+    correction, sound, gaps = _positions(recorded, recorder, kept, q, slack, presses)
+    ideal = None if shut is None or not (offsets or beside) else _record_ideal(shut, recorded, recorder, q, slack)
     return RecordedStart(
-        [*correction, sound_correction], rates, gaps, _constants(recorded, recorder, q), ideal
+        [*correction, sound], [*rates, sound_rates], gaps, _constants(recorded, recorder, q), ideal
     )  # fmt: skip
-
-
-def _record_rates(
-    system: System, start: Assembled, recorded: System, recorder: Recorder, y: np.ndarray, slack: np.ndarray,
-    strict: bool,
-) -> tuple[list[Operand], RecordedIdeal | None] | None:  # fmt: skip
-    """Rates with their flag, and the start without play if they begin from its own; None if neither is known."""
-    nq, kept = 3 * system.body_count, kept_rates(system, start)
-    q = y[:nq]
-    if kept is not None:
-        rates, sound = _rates(recorded, recorder, kept, q)
-        return [*rates, sound], None
-    shut = _ideal(system, start) if strict else None
-    if shut is None:
-        return None
-    rates, sound = _rates_near(system, recorded, recorder, q, y[nq : 2 * nq])
-    return [*rates, sound], _record_ideal(shut, recorded, recorder, q, slack)
 
 
 class _Shut(NamedTuple):
@@ -127,33 +123,64 @@ class _Shut(NamedTuple):
 
     start: Assembled
     kept: Kept
+    rates: Kept
 
 
-def _ideal(system: System, start: Assembled) -> _Shut | None:
-    """The mechanism without play where its rates, and nothing else, give those of the start; None elsewhere."""
-    if not np.isnan(given_values(system, 1)).all() or system.watched or constants_of(system.model):
-        return None
+def _without_play(system: System) -> _Shut | None:
+    """The start without play of a mechanism with play; None where it is not known at other parameters."""
     if not has_play(system.model):
         return None
     shut, ideal = without_play(system)
-    if not isinstance(ideal, Assembled) or constants_of(shut.model):
+    if not isinstance(ideal, Assembled) or constants_of(shut.model) or shut.rough_joints:
         return None
-    kept, v, workspace = kept_values(shut, ideal, [], 0), ideal.v.copy(), system.workspace()
+    kept = as_alone(shut, ideal, [], kept_values(shut, ideal, [], 0))
+    rates = rates_as_alone(shut, ideal, kept_rates(shut, ideal))
+    return None if kept is None or rates is None else _Shut(ideal, kept, rates)
+
+
+def _begins_beside(system: System, start: Assembled, ideal: Assembled) -> bool:
+    """True if the rates of the mechanism without play, and nothing else, give those of the start."""
+    if not np.isnan(given_values(system, 1)).all() or constants_of(system.model):
+        return False
+    v, workspace = ideal.v.copy(), system.workspace()
     place_rates(workspace, start.q, v, np.full(len(v), np.nan), loop_map(system).arrays["start_ways"])
     close_rate(workspace, start.t, start.q, v)
     scale = max(1.0, float(np.abs(start.v).max(initial=0.0)))
-    if kept is None or np.abs(v - start.v).max() > KEPT * scale:
-        return None
-    return _Shut(ideal, kept if kept.needed else kept._replace(also=[]))
+    return bool(np.abs(v - start.v).max() <= KEPT * scale)
 
 
 def _record_ideal(
     shut: _Shut, recorded: System, recorder: Recorder, q: np.ndarray, slack: np.ndarray
 ) -> RecordedIdeal:  # fmt: skip
     ideal = compile_system(ideal_model(recorded.model))
-    correction, sound_correction, _ = _positions(ideal, recorder, shut.kept, q, slack)
-    rates, sound_rates = _rates(ideal, recorder, Kept([], [], []), q)
+    correction, sound_correction, _ = _positions(
+        ideal, recorder, shut.kept, q, slack, _Presses([], ideal, recorder, q, shut.rates)
+    )
+    rates, sound_rates = _rates(ideal, recorder, shut.rates, q)
     return RecordedIdeal(shut.start.q, [*correction, sound_correction], [*rates, sound_rates])
+
+
+@dataclass(frozen=True)
+class _Presses:
+    """Pins that reactions without play press on their bushes."""
+
+    names: list[str]
+    recorded: System  # with play
+    recorder: Recorder
+    q: np.ndarray  # (3 nb,) positions without play
+    rates: Kept
+
+    def offsets(self) -> dict[str, tuple[Operand, Operand]]:
+        """Where they are in their bushes [m], by name."""
+        if not self.names:
+            return {}
+        ideal = compile_system(ideal_model(self.recorded.model))
+        rates = _closed_rates(ideal, self.recorder, self.rates, self.q)
+        pins = np.zeros((len(self.names), 3), dtype=object)
+        pins[:, 0] = [symbol_of(self.recorded.model.joints[name].clearance) for name in self.names]
+        first = np.array([ideal.first_row(name) for name in self.names])
+        Recording(ideal, self.recorder).run(press_pins, 0.0, self.q, rates, first, pins)
+        return {name: (x, y) for name, (_, x, y) in zip(self.names, pins.tolist(), strict=True)}
 
 
 def _rates_near(
@@ -201,20 +228,15 @@ def _constants(recorded: System, recorder: Recorder, q: np.ndarray) -> list[Oper
 
 
 def _positions(
-    recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray, slack: np.ndarray
+    recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray, slack: np.ndarray, presses: _Presses
 ) -> tuple[list[Operand], Flag, list[Gap]]:
     """The correction of positions, its flag, and what is open; slack: (3 nb,) as `_missed` takes it."""
     system = held_system(without_counting(recorded.model), kept.pins, kept.needed)
-    if kept.balanced:
-        weight = system.arrays["weight"].astype(object)
-        others = np.setdiff1d(np.arange(len(q)), kept.balanced)
-        weight[1:].reshape(-1)[others] *= FIRST
-        system = replace(system, arrays={**system.arrays, "weight": weight})
-    held = Recording(system, recorder)
+    held = Recording(_weighted(system, kept), recorder)
     open_at_q: list[Gap] = []
 
     def correct() -> list[Operand]:
-        closing = held.closing(0.0, at_offsets(held.system, kept.pins))
+        closing = held.closing(0.0, at_offsets(held.system, kept.pins, presses.offsets()))
         corrected, still = q.copy(), np.zeros(len(q), dtype=object)
         closing.begin(corrected, still)
         open_at_q.extend(_open_rows(held.system, closing.workspace.rows, recorder))
@@ -287,22 +309,40 @@ def _open_rows(system: System, rows: np.ndarray, recorder: Recorder) -> list[Gap
 
 
 def _rates(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> tuple[list[Operand], Flag]:
-    """Rates from zero: two corrections, the second against rounding."""
+    """Rates, by how much given ones are missed, and their flag."""
+
+    def close() -> list[Operand]:
+        v = _closed_rates(recorded, recorder, kept, q)
+        gaps = [abs(v[k] - symbol_of(_given(recorded, k, 1))) for k in kept.also]
+        return [*v, recorder.largest(gaps)]
+
+    return Recording(recorded, recorder).guarded(close)
+
+
+def _closed_rates(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> np.ndarray:
+    """(3 nb,) rates from zero, and from those given: two corrections or more, the last against rounding."""
     system = held_system(recorded.model, kept.pins, kept.needed)
     values = system.arrays["values"].astype(object)
     for k, driver in zip(kept.needed, list(system.model.drivers)[len(recorded.model.drivers) :], strict=True):
         values[system.driver_slot(driver) + 1] = _given(recorded, k, 1)
-    held = Recording(replace(system, arrays={**system.arrays, "values": values}), recorder)
+    held = Recording(_weighted(replace(system, arrays={**system.arrays, "values": values}), kept), recorder)
+    closing, v = held.closing(0.0), np.zeros(len(q), dtype=object)
+    for _ in range(BALANCES if kept.balanced else 2):
+        for k in kept.balanced:
+            v[k] = symbol_of(_given(recorded, k, 1))
+        closing.begin(q, v)
+        closing.close_rates(v)
+    return v
 
-    def close() -> list[Operand]:
-        closing, v = held.closing(0.0), np.zeros(len(q), dtype=object)
-        for _ in range(2):
-            closing.begin(q, v)
-            closing.close_rates(v)
-        gaps = [abs(v[k] - symbol_of(_given(recorded, k, 1))) for k in kept.also]
-        return [*v, recorder.largest(gaps)]
 
-    return held.guarded(close)
+def _weighted(system: System, kept: Kept) -> System:
+    """The system whose coordinates that are not given move more easily, where some balance each other."""
+    if not kept.balanced:
+        return system
+    weight = system.arrays["weight"].astype(object)
+    others = np.setdiff1d(np.arange(3 * system.body_count), kept.balanced)
+    weight[1:].reshape(-1)[others] *= FIRST
+    return replace(system, arrays={**system.arrays, "weight": weight})
 
 
 def _given(recorded: System, k: int, turn: int) -> Operand:

@@ -16,10 +16,11 @@ import numpy as np
 from rattle.analyses.assembly.assembly import Assembled, has_play, held_at_start, without_play
 from rattle.analyses.assembly.branches import alone_within, as_near
 from rattle.analyses.assembly.outward import outward
-from rattle.analyses.assembly.pins import holds_by_contacts
+from rattle.analyses.assembly.pins import holds_by_contacts, pressed, with_play
 from rattle.analyses.assembly.start_constants import constants_of, without_counting
 from rattle.analyses.assembly.start_values import KEYS, change_of_given, given_values, left_at_zero
 from rattle.analyses.assembly.tied_bodies import given_in_one_turn
+from rattle.analyses.assembly.without_play import along_reactions
 from rattle.analyses.straight_line.start_rows import (
     add_to,
     basis_beside,
@@ -31,6 +32,7 @@ from rattle.analyses.straight_line.start_rows import (
 )
 from rattle.description.model import Joint
 from rattle.equations.dense import LARGE, dense_rows
+from rattle.equations.placement import point_at
 from rattle.equations.system import System, compile_system, is_link
 from rattle.jit import layout as at
 
@@ -149,10 +151,20 @@ def kept_values(system: System, start: Assembled, pins: list[str], turn: int) ->
     return kept if len(basis) == len(wanted) else None
 
 
-def rates_contradict(system: System, start: Assembled) -> bool:
-    """True if given rates are missed."""
-    rates = given_values(system, 1)
-    return bool((~np.isnan(rates) & ~_agrees(system, start.v, rates)).any())
+def pressed_offsets(system: System, start: Assembled) -> dict[str, tuple[float, float]]:
+    """Offsets [m] of pins that reactions press at the start; none where given places move one of them elsewhere."""
+    joints = system.model.joints
+    names = pressed(system.model, with_play(system.model)[0])
+    shut, ideal = without_play(system)
+    places = given_values(system, 0).reshape(-1, 3)[:, :2]
+    if not names or not isinstance(ideal, Assembled) or not np.isnan(places).all():
+        return {}
+    offsets = along_reactions(shut, start.t, ideal.q, ideal.v, {name: joints[name].clearance for name in names})
+    where = {
+        name: point_at(system, start.q, joints[name].b) - point_at(system, start.q, joints[name].a) for name in names
+    }
+    stands = all(np.abs(where[name] - offsets[name]).max() <= KEPT * system.size for name in names)
+    return offsets if stands else {}
 
 
 def as_alone(system: System, start: Assembled, pins: list[str], kept: Kept | None) -> Kept | None:
@@ -161,19 +173,32 @@ def as_alone(system: System, start: Assembled, pins: list[str], kept: Kept | Non
     kept: what is kept of the given positions here.  Those that are redundant contradict each other at other parameters.
     Where joints alone determine the start they only choose one of several branches.
     """
-    if kept is not None and kept.needed and not _redundant(system, start, kept):
+    if kept is not None and kept.needed and not _redundant(system, start, kept, 0):
         return kept
     if kept is None and has_play(system.model):  # reactions may press pins
         return None
     if kept is None or kept.needed:
-        kept = _balanced(system, start, pins)
+        kept = _balanced(system, start, pins, 0)
     return None if kept is None else kept._replace(also=[], branch=_branch(system, start))
 
 
-def _balanced(system: System, start: Assembled, pins: list[str]) -> Kept | None:
-    """All given positions, where they determine the start: each is kept as far as others allow."""
-    wanted = given_values(system, 0)
-    given = [*np.flatnonzero(~np.isnan(wanted)).tolist(), *left_at_zero(system, start.q, wanted)]
+def rates_as_alone(system: System, start: Assembled, kept: Kept | None) -> Kept | None:
+    """The same of rates, of which there is one branch."""
+    rates = given_values(system, 1)
+    contradict = bool((~np.isnan(rates) & ~_agrees(system, start.v, rates)).any())
+    if has_play(system.model):
+        return None if contradict else kept
+    if kept is None or _redundant(system, start, kept, 1):
+        return _balanced(system, start, [], 1)
+    return kept
+
+
+def _balanced(system: System, start: Assembled, pins: list[str], turn: int) -> Kept | None:
+    """All given positions (turn 0) or rates (turn 1), where they determine the start: each is kept as far as others
+    allow."""
+    wanted = given_values(system, turn)
+    given = np.flatnonzero(~np.isnan(wanted)).tolist()
+    given += left_at_zero(system, start.q, wanted) if turn == 0 else []
     basis = basis_of(held_system(system.model, pins, []), start, pins)
     for k in given:
         add_to(basis, unit_vector(len(wanted), k))
@@ -195,9 +220,9 @@ def _branch(system: System, start: Assembled) -> Branch:
     return Branch(within if shut is system else 0.5 * within, wanted - given_values(system, 0))
 
 
-def _redundant(system: System, start: Assembled, kept: Kept) -> bool:
-    """True if given positions may contradict those that are needed."""
-    wanted = given_values(system, 0)
+def _redundant(system: System, start: Assembled, kept: Kept, turn: int) -> bool:
+    """True if given positions (turn 0) or rates (turn 1) may contradict those that are needed."""
+    wanted = given_values(system, turn)
     joints = basis_beside(held_system(system.model, kept.pins, []), start, kept.pins)
     others = np.setdiff1d(np.flatnonzero(~np.isnan(wanted)), kept.needed).tolist()
     return any(add_to(list(joints), unit_vector(len(wanted), k)) for k in others)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -17,7 +17,8 @@ from rattle.equations.motion import constraints, drive, place
 from rattle.equations.system import System, compile_system
 from rattle.jit import layout as at
 from rattle.jit.workspace import Workspace
-from rattle.language.recorded import symbol_of
+from rattle.language.recorded import Operand, symbol_of
+from rattle.trace.graph import Symbol
 
 ASIDE = 1e-3  # [rad, sizes of the mechanism] by which bodies are moved to positions that are not special
 RANK = 1e-8  # share of its length that a row adds to others, at least, where it is independent of them
@@ -37,15 +38,27 @@ def held_system(model: Model, pins: Sequence[str], coordinates: Sequence[int]) -
     return compile_system(replace(model, joints=joints, drivers=drivers))
 
 
-def at_offsets(system: System, pins: Sequence[str]) -> Shift:
-    """What moves the bush of a closed joint, and of its drivers, by the offset of its pin [m] in ground axes."""
+def with_offsets(system: System, offsets: Mapping[str, tuple[float, float]]) -> System:
+    """The system with offsets of more pins [m]."""
+    initial = replace(system.model.initial, offsets={**system.model.initial.offsets, **offsets})
+    return compile_system(replace(system.model, initial=initial))
+
+
+def at_offsets(
+    system: System, pins: Sequence[str], pressed: Mapping[str, tuple[Operand, Operand]] | None = None
+) -> Shift:
+    """What moves the bush of a closed joint, and of its drivers, by the offset of its pin [m] in ground axes.
+
+    pressed: offsets that are not given.
+    """
     model = system.model
+    offsets = {**model.initial.offsets, **(pressed or {})}
 
     def move(workspace: SimpleNamespace | Workspace) -> None:
         body, values = workspace.body, workspace.values
         for name in pins:
             a, (ax, ay) = system.arrays["joint"][system.joints.index(name), at.END_A], model.joints[name].a.at
-            ex, ey = (symbol_of(x) for x in model.initial.offsets.get(name, (0.0, 0.0)))
+            ex, ey = (x if isinstance(x, Symbol) else symbol_of(x) for x in offsets.get(name, (0.0, 0.0)))
             cos, sin = body[a, at.COS], body[a, at.SIN]
             moved = symbol_of(ax) + cos * ex + sin * ey, symbol_of(ay) - sin * ex + cos * ey
             for owner in (name, *(key for key, driver in model.drivers.items() if driver.joint == name)):

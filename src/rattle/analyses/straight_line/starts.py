@@ -147,8 +147,10 @@ class Starts:
         rates, readable = (np.empty((n, len(fill))) for n in (nq + 2, 1))
         q = inputs[1 : nq + 1]
         with np.errstate(invalid="ignore", over="ignore"):
-            good = self._take_ideal_rates(inputs, size)
+            good, ideal = self._without_play(inputs, size)
+            inputs[1 + nq : 1 + 2 * nq] = ideal[:nq]
             good &= self._closed(correct, inputs, size)
+            inputs[1 + nq : 1 + 2 * nq] = ideal[nq:]
             for count_constants in count_from:
                 set_ = np.empty((self._set + 1, len(fill)))
                 count_constants(inputs, set_)
@@ -165,21 +167,21 @@ class Starts:
         y[:nq], y[nq : 2 * nq] = q[:, :count], rates[:nq, :count]
         return good[:count]
 
-    def _take_ideal_rates(self, inputs: np.ndarray, size: np.ndarray) -> np.ndarray:
-        """The rates without play into the inputs, where those with play begin from them; True where there are some.
+    def _without_play(self, inputs: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(k,) True where there is a start without play, or none is needed, and (6 nb, k) its positions and rates.
 
         size: as in `_closed`.
         """
         ideal, nq = None if self.model.first is None else self.model.first.ideal, len(size)
         if ideal is None:
-            return np.ones(inputs.shape[1], dtype=bool)
+            return np.ones(inputs.shape[1], dtype=bool), inputs[1 : 1 + 2 * nq].copy()
         correct, close_rates = self._ideal
         beside, rates = inputs.copy(), np.empty((nq + 2, inputs.shape[1]))
         beside[1 : nq + 1] = ideal.places[:, None]
         closed = self._closed(correct, beside, size)
         close_rates(beside, rates)
-        inputs[1 + nq : 1 + 2 * nq] = rates[:nq]
-        return np.asarray(closed & (rates[nq + 1] == 1.0))
+        known = closed & (rates[nq] <= MISSED * np.maximum(1.0, np.abs(rates[:nq]).max(axis=0)))
+        return known & (rates[nq + 1] == 1.0), np.concatenate([beside[1 : nq + 1], rates[:nq]])
 
     def _closed(self, correct: Function, inputs: np.ndarray, size: np.ndarray) -> np.ndarray:
         """Positions closed by Newton's method, into the inputs; True where they are, near where it began.
