@@ -91,7 +91,7 @@ def record_start(
     """Record how the start follows from the parameters; None where given values and joints do not determine it.
 
     system: the model at the parameters' values; recorded: the same with recorded numbers; y: (ny,) symbols.  strict:
-    where given values contradict each other at other parameters only assembly knows.
+    the start is that of assembly at other parameters too, wherever it is said to hold.
     """
     nq, shut = 3 * system.body_count, _without_play(system) if strict else None
     offsets = {} if shut is None else pressed_offsets(system, start)
@@ -131,7 +131,7 @@ def _without_play(system: System) -> _Shut | None:
     if not has_play(system.model):
         return None
     shut, ideal = without_play(system)
-    if not isinstance(ideal, Assembled) or constants_of(shut.model) or shut.rough_joints:
+    if not isinstance(ideal, Assembled) or constants_of(shut.model):
         return None
     kept = as_alone(shut, ideal, [], kept_values(shut, ideal, [], 0))
     rates = rates_as_alone(shut, ideal, kept_rates(shut, ideal))

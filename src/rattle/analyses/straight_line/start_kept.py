@@ -157,7 +157,8 @@ def pressed_offsets(system: System, start: Assembled) -> dict[str, tuple[float, 
     names = pressed(system.model, with_play(system.model)[0])
     shut, ideal = without_play(system)
     places = given_values(system, 0).reshape(-1, 3)[:, :2]
-    if not names or not isinstance(ideal, Assembled) or not np.isnan(places).all():
+    rubs = bool(shut.rough_joints)  # friction would change the reactions
+    if not names or rubs or not isinstance(ideal, Assembled) or not np.isnan(places).all():
         return {}
     offsets = along_reactions(shut, start.t, ideal.q, ideal.v, {name: joints[name].clearance for name in names})
     where = {
