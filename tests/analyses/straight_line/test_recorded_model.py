@@ -319,3 +319,84 @@ def test_a_hundred_random_mechanisms_are_recorded_to_rounding():
         if recorded == 100:
             break
     assert recorded == 100
+
+
+def four_bar(b: float, initial: str, more: str = "", joints: str = "", driver: str = "") -> str:
+    """A four-bar of links a = 0.4, b, c = 0.4 on a base of 1 m, at 0.9 rad if it is a parallelogram."""
+    return f"""
+format = 1
+gravity = [0, -9.81]
+parameters = {{ g = 1, a = 0.4, b = {b}, c = 0.4, m = 1, w = 5, cl = 1e-3 }}
+ground.points = {{ O = [0, 0], D = ["g", 0] }}
+bodies.a = {{ bar = ["A", "B"], length = "a", mass = "m" }}
+bodies.b = {{ bar = ["B", "C"], length = "b", mass = 0.7 }}
+bodies.c = {{ bar = ["D", "C"], length = "c", mass = 0.3 }}
+[joints]
+O = {{ type = "revolute", connect = ["ground.O", "a.A"] }}
+C = {{ type = "revolute", connect = ["b.C", "c.C"] }}
+{joints or 'B = { type = "revolute", connect = ["a.B", "b.B"] }'}
+D = {{ type = "revolute", connect = ["ground.D", "c.D"]{more} }}
+{driver}
+[initial]
+{initial}
+"""
+
+
+ANGLES = "a = { angle = 0.9 }\nb = { angle = 0 }\nc = { angle = 0.9 }"
+LOOSE = 'B = { type = "revolute", connect = ["a.B", "b.B"], clearance = "cl", contact = CONTACT }'
+HERTZ = '{ model = "hertz", stiffness = 1e9, exponent = 1.5, restitution = 0.5, bush_radius = 0.02 }'
+IMPACT = '{ model = "impact", restitution = 0.3, bush_radius = 0.02 }'
+LINK = 'B = { type = "revolute", connect = ["a.B", "b.B"], clearance = "cl", contact = { model = "massless-link" } }'
+MOTOR = '[drivers.motor]\njoint = "O"\nangle = "0.9 + w*t"\n'
+RATES = ANGLES.replace("0.9 }", '0.9, omega = "w" }', 1).replace("0 }", '0, omega = "w" }')
+
+
+@pytest.mark.parametrize(
+    ("text", "recorded"),
+    [
+        (four_bar(1.0, ANGLES), True),  # a coupler that does not turn here does elsewhere
+        (four_bar(1.0, RATES), None),  # and its rate, contradicted here, has little leverage elsewhere
+        (four_bar(1.0, ANGLES, joints=LOOSE.replace("CONTACT", HERTZ)), True),  # whose pin may leave its bush
+        (four_bar(1.0, ANGLES, f', clearance = "cl", contact = {IMPACT}', LOOSE.replace("CONTACT", HERTZ)), False),
+        (four_bar(1.1, ANGLES.split("\n")[0], f', clearance = "cl", contact = {IMPACT}', LINK, MOTOR), None),
+    ],
+)
+def test_starts_of_samples_of_four_bars_are_those_of_their_own_runs(text, recorded):
+    m = rt.loads(text)
+    starts = Starts(m.recorded(list(m.parameters), contacts=True), evaluate)
+    values = changed(starts.model, np.random.default_rng(4), np.array([1e-6, 1e-5, 1e-4, 1e-3, 1e-2]), 5)
+    begun, nq = starts.begin(values), 3 * m.system.body_count
+    assert recorded is None or begun.assembled.all() != recorded
+    for n in np.flatnonzero(~begun.assembled):
+        want = m.set(**dict(zip(m.parameters, values[:, n].tolist(), strict=True))).start
+        np.testing.assert_allclose(begun.y[:nq, n], want.q, rtol=0.0, atol=1e-9)
+        np.testing.assert_allclose(
+            begun.y[nq : 2 * nq, n], want.v, rtol=0.0, atol=1e-7 * max(1.0, np.abs(want.v).max())
+        )
+
+
+@pytest.mark.parametrize("angle", [0.3, 1e-2, 1e-3, 1e-4, 1e-5])
+def test_contradictory_rates_near_a_dead_centre_keep_the_least_change_side_by_side(angle):
+    """vx of a crank at its dead centre hardly moves it: the slider's speed and this one share what they give up."""
+    text = f"""
+format = 1
+parameters = {{ m = 1 }}
+ground.points = {{ O = [0, 0] }}
+bodies.crank = {{ bar = ["O", "A"], length = 1, mass = "m" }}
+bodies.rod = {{ bar = ["A", "B"], length = 2, mass = 0.5 }}
+bodies.slider = {{ points = {{ B = [0, 0] }}, mass = 0.3, inertia = 1e-4 }}
+[joints]
+O = {{ type = "revolute", connect = ["ground.O", "crank.O"] }}
+A = {{ type = "revolute", connect = ["crank.A", "rod.A"] }}
+B = {{ type = "revolute", connect = ["slider.B", "rod.B"] }}
+guide = {{ type = "prismatic", connect = ["ground.O", "slider.B"] }}
+[initial]
+crank = {{ angle = {angle}, vx = 1 }}
+slider = {{ vx = -10 }}
+"""
+    masses = np.array([1.0, 1.1, 0.9])
+    found = rt.loads(text).many({"m": masses}, ["at(crank.omega, 0)"], 1e-6)
+    along = np.sin(angle) * np.array([-0.5, -1.0 - np.cos(angle) / np.sqrt(4.0 - np.sin(angle) ** 2)])
+    wanted, weights = np.array([1.0, -10.0]), np.stack([masses, np.full(3, 0.3)])
+    best = (weights.T * along) @ wanted / ((weights.T * along) @ along)
+    np.testing.assert_allclose(found["at(crank.omega, 0)"], best, rtol=1e-8)

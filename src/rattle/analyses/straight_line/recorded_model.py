@@ -199,7 +199,8 @@ def record_model(
     curves["energy.balance"] = curves["energy.balance"] - graph.input()
     for n in np.flatnonzero(_end_at_points(system)):
         curves.pop(f"{system.joints[system.arrays['contact'][n, at.OWNER]]}.gap", None)
-    first = record_start(system, start, recorded, recorder, y, as_alone) if names else None
+    gaps = [] if touching is None else touching.gap
+    first = record_start(system, start, recorded, recorder, y, gaps, as_alone) if names else None
     model = RecordedModel(
         document, system, start, {name: system.model.parameters[name].value for name in names}, graph,
         [*rate, sound_rate], [*closed, sound_closed],

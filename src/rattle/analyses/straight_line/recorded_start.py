@@ -14,6 +14,8 @@ with coordinates that are not given FIRST times as easy to move: at the end thes
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -21,6 +23,7 @@ import numpy as np
 
 from rattle.analyses.assembly.assembly import Assembled, has_play, without_play
 from rattle.analyses.assembly.loop_map import loop_map
+from rattle.analyses.assembly.outside import least_gaps
 from rattle.analyses.assembly.start_constants import constants_of, counting_rows, with_constants, without_counting
 from rattle.analyses.assembly.start_values import KEYS, given_values
 from rattle.analyses.assembly.without_play import ideal_model
@@ -45,10 +48,13 @@ from rattle.equations.start import place_rates, press_pins
 from rattle.equations.system import System, compile_system, is_link
 from rattle.jit import layout as at
 from rattle.language.recorded import Flag, Operand, symbol_of
+from rattle.trace.graph import select
 from rattle.trace.lane_methods import total
 from rattle.trace.recording import Recorder, Recording
 
 BALANCES = 4  # corrections of rates that balance each other: each leaves 1/FIRST of the error
+SLOW, ROUNDED = 0.1, 1e-12  # share of the correction before, and of the largest rate, that the last one may be
+UNSETTLED = 1e300  # [m/s, rad/s] said of others
 FIRST = 1e6  # by how much more easily coordinates move that are not given than those that are, in one step
 
 
@@ -86,11 +92,13 @@ class RecordedIdeal:
 
 
 def record_start(
-    system: System, start: Assembled, recorded: System, recorder: Recorder, y: np.ndarray, strict: bool
-) -> RecordedStart | None:
+    system: System, start: Assembled, recorded: System, recorder: Recorder, y: np.ndarray, gaps: Sequence[Operand],
+    strict: bool,
+) -> RecordedStart | None:  # fmt: skip
     """Record how the start follows from the parameters; None where given values and joints do not determine it.
 
-    system: the model at the parameters' values; recorded: the same with recorded numbers; y: (ny,) symbols.  strict:
+    system: the model at the parameters' values; recorded: the same with recorded numbers; y: (ny,) symbols; gaps: of
+    contacts at y, which start no deeper in their walls than assembly lets them, if strict.  strict:
     the start is that of assembly at other parameters too, wherever it is said to hold.
     """
     nq, shut = 3 * system.body_count, _without_play(system) if strict else None
@@ -99,7 +107,7 @@ def record_start(
         system = with_offsets(system, offsets)
     placing, pins = placing_system(system), closed_joints(system, start)
     kept = kept_values(placing, start, pins, 0)
-    by_rates = kept_rates(system, start)
+    by_rates = kept_rates(system, start, pins if strict else None)
     if strict:
         kept, by_rates = as_alone(placing, start, pins, kept), rates_as_alone(system, start, by_rates)
     beside = shut is not None and by_rates is None and _begins_beside(system, start, shut.start)
@@ -111,10 +119,11 @@ def record_start(
     else:
         rates, sound_rates = _rates(recorded, recorder, by_rates, q)
     presses = _Presses(list(offsets), recorded, recorder, y[nq : 2 * nq], shut.rates if shut else Kept([], [], []))
-    correction, sound, gaps = _positions(recorded, recorder, kept, q, slack, presses)
+    deep = _deep(recorded, gaps) if strict else []
+    correction, sound, opens = _positions(recorded, recorder, kept, q, slack, presses, deep)
     ideal = None if shut is None or not (offsets or beside) else _record_ideal(shut, recorded, recorder, q, slack)
     return RecordedStart(
-        [*correction, sound], [*rates, sound_rates], gaps, _constants(recorded, recorder, q), ideal
+        [*correction, sound], [*rates, sound_rates], opens, _constants(recorded, recorder, q), ideal
     )  # fmt: skip
 
 
@@ -175,11 +184,13 @@ class _Presses:
         if not self.names:
             return {}
         ideal = compile_system(ideal_model(self.recorded.model))
-        rates = _closed_rates(ideal, self.recorder, self.rates, self.q)
+        recorder = Recorder(self.recorder.graph, self.recorder.beside, self.recorder.crowded)  # of no contacts
+        rates, _ = _closed_rates(ideal, recorder, self.rates, self.q)
         pins = np.zeros((len(self.names), 3), dtype=object)
         pins[:, 0] = [symbol_of(self.recorded.model.joints[name].clearance) for name in self.names]
         first = np.array([ideal.first_row(name) for name in self.names])
-        Recording(ideal, self.recorder).run(press_pins, 0.0, self.q, rates, first, pins)
+        Recording(ideal, recorder).run(press_pins, 0.0, self.q, rates, first, pins)
+        self.recorder.guards += recorder.guards
         return {name: (x, y) for name, (_, x, y) in zip(self.names, pins.tolist(), strict=True)}
 
 
@@ -228,9 +239,11 @@ def _constants(recorded: System, recorder: Recorder, q: np.ndarray) -> list[Oper
 
 
 def _positions(
-    recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray, slack: np.ndarray, presses: _Presses
-) -> tuple[list[Operand], Flag, list[Gap]]:
-    """The correction of positions, its flag, and what is open; slack: (3 nb,) as `_missed` takes it."""
+    recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray, slack: np.ndarray, presses: _Presses,
+    deep: Sequence[Operand] = (),
+) -> tuple[list[Operand], Flag, list[Gap]]:  # fmt: skip
+    """The correction of positions, its flag, and what is open; slack: (3 nb,) as `_missed` takes it; deep: what must
+    not be positive at q [m or rad]."""
     system = held_system(without_counting(recorded.model), kept.pins, kept.needed)
     held = Recording(_weighted(system, kept), recorder)
     open_at_q: list[Gap] = []
@@ -245,7 +258,7 @@ def _positions(
             closing.approach(corrected, _way_back(recorded, kept, q))
         else:
             closing.correct(corrected, still)
-        left = [closing.gap(), *(gap.open for gap in _missed(recorded, recorder, kept, corrected, slack))]
+        left = [closing.gap(), *deep, *(gap.open for gap in _missed(recorded, recorder, kept, corrected, slack))]
         return [*corrected, recorder.largest(left)]
 
     correction, sound = held.guarded(correct)
@@ -296,6 +309,12 @@ def _strayed(recorded: System, recorder: Recorder, branch: Branch, q: np.ndarray
     return recorder.largest([recorder.graph.apply("sqrt", total(squares)) - branch.within])
 
 
+def _deep(recorded: System, gaps: Sequence[Operand]) -> list[Operand]:
+    """By how much contacts are deeper in their walls than they may start [m or rad]; gaps: of all of them, or none."""
+    leasts = [least for least, _ in least_gaps(recorded)]
+    return [symbol_of(least) - gap for least, gap in zip(leasts, gaps, strict=False) if least > -math.inf]
+
+
 def _open_rows(system: System, rows: np.ndarray, recorder: Recorder) -> list[Gap]:
     """The largest residual of every joint, driver and kept coordinate; of rows in m and in rad apart."""
     residuals: dict[tuple[str, str], list[Operand]] = {}
@@ -312,27 +331,39 @@ def _rates(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> t
     """Rates, by how much given ones are missed, and their flag."""
 
     def close() -> list[Operand]:
-        v = _closed_rates(recorded, recorder, kept, q)
+        v, left = _closed_rates(recorded, recorder, kept, q)
         gaps = [abs(v[k] - symbol_of(_given(recorded, k, 1))) for k in kept.also]
-        return [*v, recorder.largest(gaps)]
+        return [*v, recorder.largest([*gaps, *left])]
 
     return Recording(recorded, recorder).guarded(close)
 
 
-def _closed_rates(recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray) -> np.ndarray:
-    """(3 nb,) rates from zero, and from those given: two corrections or more, the last against rounding."""
+def _closed_rates(
+    recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray
+) -> tuple[np.ndarray, list[Operand]]:  # fmt: skip
+    """(3 nb,) rates from zero, or from those given, and by how much they have not settled if these balance each other.
+
+    Two corrections or more, the last against rounding.  Where those that are not given hardly move a row, as at a dead
+    centre, every correction leaves much of the error: that of the last two tells.
+    """
     system = held_system(recorded.model, kept.pins, kept.needed)
     values = system.arrays["values"].astype(object)
     for k, driver in zip(kept.needed, list(system.model.drivers)[len(recorded.model.drivers) :], strict=True):
         values[system.driver_slot(driver) + 1] = _given(recorded, k, 1)
     held = Recording(_weighted(replace(system, arrays={**system.arrays, "values": values}), kept), recorder)
     closing, v = held.closing(0.0), np.zeros(len(q), dtype=object)
+    moved: list[Operand] = []
     for _ in range(BALANCES if kept.balanced else 2):
+        before = v.copy()
         for k in kept.balanced:
             v[k] = symbol_of(_given(recorded, k, 1))
         closing.begin(q, v)
         closing.close_rates(v)
-    return v
+        moved.append(recorder.largest([abs(x) for x in v - before]))
+    if not kept.balanced:
+        return v, []
+    slow = moved[-1] - SLOW * moved[-2] - ROUNDED * recorder.largest([abs(x) for x in v])
+    return v, [moved[-1], select(slow > 0.0, UNSETTLED, 0.0)]
 
 
 def _weighted(system: System, kept: Kept) -> System:

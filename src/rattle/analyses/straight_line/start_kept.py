@@ -90,10 +90,15 @@ def closed_joints(system: System, start: Assembled) -> list[str]:
     return [name for name in names if left[name][0] <= KEPT * system.size]
 
 
-def kept_rates(system: System, start: Assembled) -> Kept | None:
+def kept_rates(system: System, start: Assembled, pins: Sequence[str] | None = None) -> Kept | None:
     """What is kept of the given rates: with pins that start with the speed of their bushes, else with other joints too
-    that have play and start with rates as without it."""
-    closed = _closed_rates(system, start)
+    that have play and start with rates as without it.
+
+    pins: those joints with play that are held at the start; None: of others it counts too that they happen to.  What
+    counts from the start does so wherever it is.
+    """
+    joints = system.model.joints
+    closed = [name for name in _closed_rates(system, start) if pins is None or name in pins or joints[name].from_start]
     kept = kept_values(system, start, [name for name in closed if is_pin(system.model.joints[name])], 1)
     return kept_values(system, start, closed, 1) if kept is None else kept
 
@@ -157,8 +162,8 @@ def pressed_offsets(system: System, start: Assembled) -> dict[str, tuple[float, 
     names = pressed(system.model, with_play(system.model)[0])
     shut, ideal = without_play(system)
     places = given_values(system, 0).reshape(-1, 3)[:, :2]
-    rubs = bool(shut.rough_joints)  # friction would change the reactions
-    if not names or rubs or not isinstance(ideal, Assembled) or not np.isnan(places).all():
+    jumps = bool(shut.rough_joints or shut.switches)  # friction and switches would change the reactions
+    if not names or jumps or not isinstance(ideal, Assembled) or not np.isnan(places).all():
         return {}
     offsets = along_reactions(shut, start.t, ideal.q, ideal.v, {name: joints[name].clearance for name in names})
     where = {
@@ -174,13 +179,21 @@ def as_alone(system: System, start: Assembled, pins: list[str], kept: Kept | Non
     kept: what is kept of the given positions here.  Those that are redundant contradict each other at other parameters.
     Where joints alone determine the start they only choose one of several branches.
     """
-    if kept is not None and kept.needed and not _redundant(system, start, kept, 0):
+    if kept is not None and kept.needed and not _redundant(system, kept, 0):
         return kept
-    if kept is None and has_play(system.model):  # reactions may press pins
-        return None
+    if has_play(system.model) and (kept is None or any(name not in system.model.initial.offsets for name in pins)):
+        return kept if kept is not None and _holds_all(system, start, kept) else None  # pins may go from the middle
     if kept is None or kept.needed:
         kept = _balanced(system, start, pins, 0)
     return None if kept is None else kept._replace(also=[], branch=_branch(system, start))
+
+
+def _holds_all(system: System, start: Assembled, kept: Kept) -> bool:
+    """True if every given position that joints do not determine is kept exactly."""
+    wanted = given_values(system, 0)
+    joints = basis_beside(system, start, [])
+    others = np.setdiff1d(np.flatnonzero(~np.isnan(wanted)), [*kept.needed, *kept.also]).tolist()
+    return not any(add_to(list(joints), unit_vector(len(wanted), k)) for k in others)
 
 
 def rates_as_alone(system: System, start: Assembled, kept: Kept | None) -> Kept | None:
@@ -189,7 +202,7 @@ def rates_as_alone(system: System, start: Assembled, kept: Kept | None) -> Kept 
     contradict = bool((~np.isnan(rates) & ~_agrees(system, start.v, rates)).any())
     if has_play(system.model):
         return None if contradict else kept
-    if kept is None or _redundant(system, start, kept, 1):
+    if kept is None or _redundant(system, kept, 1):
         return _balanced(system, start, [], 1)
     return kept
 
@@ -221,12 +234,13 @@ def _branch(system: System, start: Assembled) -> Branch:
     return Branch(within if shut is system else 0.5 * within, wanted - given_values(system, 0))
 
 
-def _redundant(system: System, start: Assembled, kept: Kept, turn: int) -> bool:
-    """True if given positions (turn 0) or rates (turn 1) may contradict those that are needed."""
-    wanted = given_values(system, turn)
-    joints = basis_beside(held_system(system.model, kept.pins, []), start, kept.pins)
-    others = np.setdiff1d(np.flatnonzero(~np.isnan(wanted)), kept.needed).tolist()
-    return any(add_to(list(joints), unit_vector(len(wanted), k)) for k in others)
+def _redundant(system: System, kept: Kept, turn: int) -> bool:
+    """True if given positions (turn 0) or rates (turn 1) may contradict those that are needed, at other parameters.
+
+    Also where joints hold them here: as of a parallelogram, whose coupler turns where its sides differ.
+    """
+    given = np.flatnonzero(~np.isnan(given_values(system, turn)))
+    return bool(np.setdiff1d(given, kept.needed).size)
 
 
 def _agrees(system: System, now: np.ndarray, wanted: np.ndarray) -> np.ndarray:

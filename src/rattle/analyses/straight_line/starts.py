@@ -31,7 +31,7 @@ CLOSED = 1e-11  # share of the mechanism's size by which a start may stay open
 MISSED = 1e-8  # share of the largest rate by which a rate that the user gave may be missed
 FAR = 0.5  # largest change from the start of the model itself [rad, sizes of the mechanism]; beyond, assembly decides
 ROUNDS = 30  # of Newton's method
-SETTLED = 1e-11  # the same, up to which positions count as found
+SETTLED = 1e-12  # the same, up to which positions count as found
 SMALL = 1e-14  # its last step [rad, sizes of the mechanism]
 OTHER = "with these parameters the model has another form"
 
