@@ -372,25 +372,15 @@ def write_until(m, t, h, t_until, t_out, out):
 
 
 @compiled
-def go_to(m, t, h, until, t_until, met, quiet, changed, t_out, out):
-    """Signs and outputs up to t_until, the share `until` of the step from t of length h; the state there into y_new.
-
-    met: an event ends the step there.  quiet: the end of a step that needs no dense output.
-    Returns OK, or ESCAPED.
-    """
+def keep_rows(m, t, h, summit, until, t_until, met):
+    """Rows of a step from t of length h [s]: at the share `summit` where a contact pushes most, if that is below
+    `until`, and just before what happens at t_until [s], the share `until`."""
     y_new, stage = m.state_new, m.stage
-    summit = find_peaks(m, until, 0 if quiet or not watches_forces(m) else 1)
-    if changed:
-        find_crossings(m, t, h, until)
-    if met:
-        interpolate(m, until, y_new)
-    if not quiet and not write_until(m, t, h, t_until, t_out, out):
-        return ESCAPED
-    if summit < until and keeps_breaks(m):
+    if summit < until:
         interpolate(m, summit, stage)
         project_state(m, t + summit * h, stage)
         row_within(m, t + summit * h, stage)
-    if keeps_breaks(m) and (met or m.landing[at.LANDS] > 0.0):
+    if met or m.landing[at.LANDS] > 0.0:
         before = just_before(m, until, met)
         if before < until:
             interpolate(m, before, stage)
@@ -399,6 +389,25 @@ def go_to(m, t, h, until, t_until, met, quiet, changed, t_out, out):
                 stage[n] = y_new[n]
         project_state(m, t_until, stage)
         before_break(m, t_until, stage)
+
+
+@compiled
+def go_to(m, t, h, until, t_until, met, quiet, changed, t_out, out):
+    """Signs and outputs up to t_until, the share `until` of the step from t of length h; the state there into y_new.
+
+    met: an event ends the step there.  quiet: the end of a step that needs no dense output.
+    Returns OK, or ESCAPED.
+    """
+    y_new = m.state_new
+    summit = find_peaks(m, until, 0 if quiet or not watches_forces(m) else 1)
+    if changed:
+        find_crossings(m, t, h, until)
+    if met:
+        interpolate(m, until, y_new)
+    if not quiet and not write_until(m, t, h, t_until, t_out, out):
+        return ESCAPED
+    if keeps_breaks(m):
+        keep_rows(m, t, h, summit, until, t_until, met)
     if m.contact.shape[0] > 0 and (inside_wall(m) if quiet else escaped(m, y_new)):
         m.clock[at.TROUBLE] = t_until
         return ESCAPED

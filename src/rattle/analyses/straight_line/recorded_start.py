@@ -101,30 +101,54 @@ def record_start(
     contacts at y, which start no deeper in their walls than assembly lets them, if strict.  strict:
     the start is that of assembly at other parameters too, wherever it is said to hold.
     """
-    nq, shut = 3 * system.body_count, _without_play(system) if strict else None
+    way = _way_as_alone(system, start) if strict else _way_as_given(system, start)
+    if way is None:
+        return None
+    nq = 3 * system.body_count
+    q, ideal_q = y[:nq], y[nq : 2 * nq]
+    slack = KEPT * scale_of(system, start.q) * sizes(system)
+    presses = None if way.shut is None else _Presses(way.pressed, recorded, recorder, ideal_q, way.shut.rates)
+    deep = _deep(recorded, gaps) if strict else []
+    correction, sound, opens = _positions(recorded, recorder, way.kept, q, slack, presses, deep)
+    if way.rates is None:
+        rates, sound_rates = _rates_near(system, recorded, recorder, q, ideal_q)
+    else:
+        rates, sound_rates = _rates(recorded, recorder, way.rates, q)
+    ideal = None if way.shut is None else _record_ideal(way.shut, recorded, recorder, q, slack)
+    return RecordedStart(
+        [*correction, sound], [*rates, sound_rates], opens, _constants(recorded, recorder, q), ideal
+    )  # fmt: skip
+
+
+class _Way(NamedTuple):
+    """How the start follows."""
+
+    kept: Kept
+    rates: Kept | None  # None: those beside the rates without play
+    pressed: list[str]  # pins that stand where reactions without play press them
+    shut: _Shut | None  # the start without play, where this one needs it
+
+
+def _way_as_given(system: System, start: Assembled) -> _Way | None:
+    """By what is kept of the given values; None where it does not determine the start."""
+    kept = kept_values(placing_system(system), start, closed_joints(system, start), 0)
+    rates = kept_rates(system, start)
+    return None if kept is None or rates is None else _Way(kept, rates, [], None)
+
+
+def _way_as_alone(system: System, start: Assembled) -> _Way | None:
+    """As assembly finds it at other parameters; None where that is not known."""
+    shut = _without_play(system)
     offsets = {} if shut is None else pressed_offsets(system, start)
     if offsets:
         system = with_offsets(system, offsets)
     placing, pins = placing_system(system), closed_joints(system, start)
-    kept = kept_values(placing, start, pins, 0)
-    by_rates = kept_rates(system, start, pins if strict else None)
-    if strict:
-        kept, by_rates = as_alone(placing, start, pins, kept), rates_as_alone(system, start, by_rates)
-    beside = shut is not None and by_rates is None and _begins_beside(system, start, shut.start)
-    if kept is None or (by_rates is None and not beside):
+    kept = as_alone(placing, start, pins, kept_values(placing, start, pins, 0))
+    rates = rates_as_alone(system, start, kept_rates(system, start, pins))
+    beside = rates is None and shut is not None and _begins_beside(system, start, shut.start)
+    if kept is None or (rates is None and not beside):
         return None
-    slack, q = KEPT * scale_of(system, start.q) * sizes(system), y[:nq]
-    if by_rates is None:
-        rates, sound_rates = _rates_near(system, recorded, recorder, q, y[nq : 2 * nq])
-    else:
-        rates, sound_rates = _rates(recorded, recorder, by_rates, q)
-    presses = _Presses(list(offsets), recorded, recorder, y[nq : 2 * nq], shut.rates if shut else Kept([], [], []))
-    deep = _deep(recorded, gaps) if strict else []
-    correction, sound, opens = _positions(recorded, recorder, kept, q, slack, presses, deep)
-    ideal = None if shut is None or not (offsets or beside) else _record_ideal(shut, recorded, recorder, q, slack)
-    return RecordedStart(
-        [*correction, sound], [*rates, sound_rates], opens, _constants(recorded, recorder, q), ideal
-    )  # fmt: skip
+    return _Way(kept, rates, list(offsets), shut if offsets or beside else None)
 
 
 class _Shut(NamedTuple):
@@ -162,9 +186,7 @@ def _record_ideal(
     shut: _Shut, recorded: System, recorder: Recorder, q: np.ndarray, slack: np.ndarray
 ) -> RecordedIdeal:  # fmt: skip
     ideal = compile_system(ideal_model(recorded.model))
-    correction, sound_correction, _ = _positions(
-        ideal, recorder, shut.kept, q, slack, _Presses([], ideal, recorder, q, shut.rates)
-    )
+    correction, sound_correction, _ = _positions(ideal, recorder, shut.kept, q, slack)
     rates, sound_rates = _rates(ideal, recorder, shut.rates, q)
     return RecordedIdeal(shut.start.q, [*correction, sound_correction], [*rates, sound_rates])
 
@@ -239,8 +261,8 @@ def _constants(recorded: System, recorder: Recorder, q: np.ndarray) -> list[Oper
 
 
 def _positions(
-    recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray, slack: np.ndarray, presses: _Presses,
-    deep: Sequence[Operand] = (),
+    recorded: System, recorder: Recorder, kept: Kept, q: np.ndarray, slack: np.ndarray,
+    presses: _Presses | None = None, deep: Sequence[Operand] = (),
 ) -> tuple[list[Operand], Flag, list[Gap]]:  # fmt: skip
     """The correction of positions, its flag, and what is open; slack: (3 nb,) as `_missed` takes it; deep: what must
     not be positive at q [m or rad]."""
@@ -249,7 +271,7 @@ def _positions(
     open_at_q: list[Gap] = []
 
     def correct() -> list[Operand]:
-        closing = held.closing(0.0, at_offsets(held.system, kept.pins, presses.offsets()))
+        closing = held.closing(0.0, at_offsets(held.system, kept.pins, presses.offsets() if presses else {}))
         corrected, still = q.copy(), np.zeros(len(q), dtype=object)
         closing.begin(corrected, still)
         open_at_q.extend(_open_rows(held.system, closing.workspace.rows, recorder))
@@ -302,9 +324,9 @@ def _way_back(recorded: System, kept: Kept, q: np.ndarray) -> np.ndarray:
 
 def _strayed(recorded: System, recorder: Recorder, branch: Branch, q: np.ndarray) -> Operand:
     """By how much positions (3 nb,) are farther from the given ones than their branch allows."""
-    given = np.flatnonzero(~np.isnan(branch.turns)).tolist()
-    changes = [q[k] - symbol_of(_given(recorded, k, 0)) - float(branch.turns[k]) for k in given]
-    lengths = [1.0 if k % 3 == 2 else 1.0 / float(recorded.size) for k in given]
+    places = np.flatnonzero(~np.isnan(branch.turns)).tolist()
+    changes = [q[k] - symbol_of(_given(recorded, k, 0)) - float(branch.turns[k]) for k in places]
+    lengths = [1.0 if k % 3 == 2 else 1.0 / float(recorded.size) for k in places]
     squares = [(change * length) * (change * length) for change, length in zip(changes, lengths, strict=True)]
     return recorder.largest([recorder.graph.apply("sqrt", total(squares)) - branch.within])
 

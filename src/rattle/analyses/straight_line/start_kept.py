@@ -137,23 +137,33 @@ def kept_values(system: System, start: Assembled, pins: list[str], turn: int) ->
     Rates of which none is given are the least that the constraints allow: no coordinate is needed for them.  Beside
     play they are those of the mechanism without it.
     """
-    wanted, now = given_values(system, turn), (start.q, start.v)[turn]
-    driven = bool(system.model.drivers) and has_play(system.model)
-    if turn == 1 and np.isnan(wanted).all() and not system.watched and not pins and not driven:
+    if turn == 1 and not pins and _rates_are_least(system):
         return Kept([], [], [])
-    basis = basis_of(held_system(system.model, pins, []), start, pins if turn == 0 else [])
-    before = held_system(system.model, pins, []) if turn == 0 else system  # pins go before given places and angles
-    joints = basis_beside(before, start, pins if turn == 0 else [])
-    kept = Kept(pins, [], [])
-    for k in np.flatnonzero(_agrees(system, now, wanted)):
-        unit = unit_vector(len(wanted), int(k))
-        if add_to(basis, unit):
-            kept.needed.append(int(k))
-        elif add_to(list(joints), unit):
-            kept.also.append(int(k))
+    held, kept = held_system(system.model, pins, []), Kept(pins, [], [])
+    if turn == 0:  # pins go before given places and angles
+        basis, joints = basis_of(held, start, pins), basis_beside(held, start, pins)
+    else:
+        basis, joints = basis_of(held, start, []), basis_beside(system, start, [])
+    wanted, now = given_values(system, turn), (start.q, start.v)[turn]
+    for k in np.flatnonzero(_agrees(system, now, wanted)).tolist():
+        if add_to(basis, unit_vector(len(wanted), k)):
+            kept.needed.append(k)
+        elif add_to(list(joints), unit_vector(len(wanted), k)):
+            kept.also.append(k)
     if turn == 0:
         kept.needed.extend(k for k in left_at_zero(system, now, wanted) if add_to(basis, unit_vector(len(wanted), k)))
     return kept if len(basis) == len(wanted) else None
+
+
+def _rates_are_least(system: System) -> bool:
+    """True if no rates are given, and none are those of the mechanism without play."""
+    driven = bool(system.model.drivers) and has_play(system.model)
+    return not where_given(system, 1) and not system.watched and not driven
+
+
+def where_given(system: System, turn: int) -> list[int]:
+    """Coordinates of which positions (turn 0) or rates (turn 1) are given."""
+    return [int(k) for k in np.flatnonzero(~np.isnan(given_values(system, turn)))]
 
 
 def pressed_offsets(system: System, start: Assembled) -> dict[str, tuple[float, float]]:
@@ -190,10 +200,9 @@ def as_alone(system: System, start: Assembled, pins: list[str], kept: Kept | Non
 
 def _holds_all(system: System, start: Assembled, kept: Kept) -> bool:
     """True if every given position that joints do not determine is kept exactly."""
-    wanted = given_values(system, 0)
     joints = basis_beside(system, start, [])
-    others = np.setdiff1d(np.flatnonzero(~np.isnan(wanted)), [*kept.needed, *kept.also]).tolist()
-    return not any(add_to(list(joints), unit_vector(len(wanted), k)) for k in others)
+    others = set(where_given(system, 0)) - {*kept.needed, *kept.also}
+    return not any(add_to(list(joints), unit_vector(len(start.q), k)) for k in others)
 
 
 def rates_as_alone(system: System, start: Assembled, kept: Kept | None) -> Kept | None:
@@ -210,14 +219,13 @@ def rates_as_alone(system: System, start: Assembled, kept: Kept | None) -> Kept 
 def _balanced(system: System, start: Assembled, pins: list[str], turn: int) -> Kept | None:
     """All given positions (turn 0) or rates (turn 1), where they determine the start: each is kept as far as others
     allow."""
-    wanted = given_values(system, turn)
-    given = np.flatnonzero(~np.isnan(wanted)).tolist()
-    given += left_at_zero(system, start.q, wanted) if turn == 0 else []
+    size, balanced = len(start.q), where_given(system, turn)
+    balanced += left_at_zero(system, start.q, given_values(system, 0)) if turn == 0 else []
     basis = basis_of(held_system(system.model, pins, []), start, pins)
-    for k in given:
-        add_to(basis, unit_vector(len(wanted), k))
-    whole = len(basis) == len(wanted) and not len(system.arrays["massless"])
-    return Kept(pins, [], [], balanced=tuple(given)) if whole else None
+    for k in balanced:
+        add_to(basis, unit_vector(size, k))
+    whole = len(basis) == size and not len(system.arrays["massless"])
+    return Kept(pins, [], [], balanced=tuple(balanced)) if whole else None
 
 
 def _branch(system: System, start: Assembled) -> Branch:
@@ -239,8 +247,7 @@ def _redundant(system: System, kept: Kept, turn: int) -> bool:
 
     Also where joints hold them here: as of a parallelogram, whose coupler turns where its sides differ.
     """
-    given = np.flatnonzero(~np.isnan(given_values(system, turn)))
-    return bool(np.setdiff1d(given, kept.needed).size)
+    return bool(set(where_given(system, turn)) - set(kept.needed))
 
 
 def _agrees(system: System, now: np.ndarray, wanted: np.ndarray) -> np.ndarray:

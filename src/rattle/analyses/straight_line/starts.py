@@ -180,8 +180,8 @@ class Starts:
         beside[1 : nq + 1] = ideal.places[:, None]
         closed = self._closed(correct, beside, size)
         close_rates(beside, rates)
-        known = closed & (rates[nq] <= MISSED * np.maximum(1.0, np.abs(rates[:nq]).max(axis=0)))
-        return known & (rates[nq + 1] == 1.0), np.concatenate([beside[1 : nq + 1], rates[:nq]])
+        sound = closed & (rates[nq] <= MISSED * np.maximum(1.0, np.abs(rates[:nq]).max(axis=0)))
+        return sound & (rates[nq + 1] == 1.0), np.concatenate([beside[1 : nq + 1], rates[:nq]])
 
     def _closed(self, correct: Function, inputs: np.ndarray, size: np.ndarray) -> np.ndarray:
         """Positions closed by Newton's method, into the inputs; True where they are, near where it began.
