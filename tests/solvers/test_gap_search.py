@@ -110,6 +110,33 @@ block = {{ x = 0, y = 0, angle = 0, vx = 0, vy = {v}, omega = 0 }}
         np.testing.assert_allclose([beside[name][i] for name in asked], own, rtol=0, atol=1e-8)
 
 
+@pytest.mark.parametrize(
+    ("c", "K", "d", "v", "count"),
+    [
+        (3e-9, 3.7135e7, 243.8, 5.2383, 80),
+        (1e-9, 1.02404e9, 0.0, 8.67041, 79),
+        (7.90513e-10, 2.12844e8, 0.0, 6.16548, 41),
+    ],
+)
+def test_a_flight_of_a_ten_millionth_of_a_step_ends_at_the_other_wall(c, K, d, v, count):
+    half_period = math.pi / math.sqrt(K)
+    r = rt.loads(f"""
+format = 1
+gravity = [0, -9.81]
+ground.points = {{ O = [0, 0] }}
+bodies.pin = {{ points = {{ P = [0, 0] }}, mass = 1, inertia = 1e-3 }}
+[joints.B]
+type = "revolute"
+connect = ["ground.O", "pin.P"]
+clearance = {c}
+contact = {{ model = "kelvin-voigt", stiffness = {K}, damping = {d}, exponent = 1, bush_radius = 0.01 }}
+[initial]
+pin = {{ x = 0, y = 0, angle = 0, vx = 0, vy = {v}, omega = 0 }}
+""").simulate((count // 2 + 0.5) * half_period, rtol=1e-11)
+    assert r.success
+    assert len(starts(r, "contact")) == count // 2 + 1
+
+
 # ---------------------------------------------------------------- two free bodies
 BODIES = {"m": (2.0, 0.7), "J": (0.003, 0.0008), "s": ((0.03, 0.01), (-0.02, 0.02))}
 C, BORE, E_N, MU = 1e-3, 0.01, 0.73, 0.2

@@ -241,6 +241,8 @@ def beyond_rounding(m, h, n, side):
     if side * memory[at.GAP_0] > slight:
         return 0.0
     way = -side * memory[at.DGAP_0] * h
+    if side > 0.0 and way < 0.0:  # it opens at first: where it closes, it has come back
+        return 0.0
     return LATER if way * LATER <= slight else slight / way
 
 
