@@ -63,7 +63,7 @@ wheel: engine ## build wheel and sdist, install each into an empty environment a
 	$(WHEEL)/bin/rattle -q demo --paper -o build/installed
 
 long: $(VENV)/.ready-dev ## proofs that take a minute or more each
-	$(BIN)/python -m pytest -q -m long
+	$(BIN)/python -m pytest -q -m long -o faulthandler_timeout=3600
 
 times: $(VENV)/.ready-dev ## measure which tests are quick: tests/measured.txt
 	$(PYTEST) -m "not long" --measure

@@ -28,7 +28,11 @@ def keep_picture(page, name):
     page.screenshot(path=PICTURES / f"{name}.png")
 
 
-DRAWN = "(n) => new Promise((done) => { const next = () => (n-- > 0 ? requestAnimationFrame(next) : done()); next(); })"
+DRAWN = """([n, patience]) => new Promise((done, fail) => {
+  setTimeout(() => fail(new Error("the browser draws no pictures")), patience);
+  const next = () => (n-- > 0 ? requestAnimationFrame(next) : done());
+  next();
+})"""
 
 
 # a page unpacks its viewer after it is loaded: a test that is faster would find nothing
@@ -37,7 +41,7 @@ MOUNTED = "() => { const root = document.getElementById('rattle'); return !root 
 
 def frames(page, count=3):
     """Wait for so many pictures of the page: what was asked for before has been drawn after the second."""
-    page.evaluate(DRAWN, count)
+    page.evaluate(DRAWN, [count, 1000.0 * PATIENCE])
 
 
 def becomes(page, condition, argument=None):

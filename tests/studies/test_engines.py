@@ -10,6 +10,7 @@ import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from multiprocessing import get_context
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ import pytest
 import rattle as rt
 from rattle.errors import MissingPackage, WorkerError
 from rattle.questions.ensemble import engines, work
+from rattle.questions.ensemble import local_workers as local
 from rattle.questions.ensemble.local_workers import local_workers
 from rattle.studies.runs.ctrl_c import noticed
 
@@ -54,7 +56,7 @@ def processes():
 @pytest.fixture(scope="module")
 def scheduler():
     pytest.importorskip("distributed")
-    with local_workers(2) as address:
+    with local_workers(2) as (address, _):
         yield address
 
 
@@ -155,6 +157,52 @@ def test_dask_gives_the_same_bits_also_when_a_worker_is_killed(forty, scheduler,
     assert killed[0] < len(list(tmp_path.glob("samples-*")))
     assert counted_once(tmp_path, 200)
     assert_same(found, kinematics(200))
+
+
+def test_a_result_whose_worker_is_killed_before_it_is_fetched_is_made_again(scheduler, tmp_path):
+    from distributed import Client
+
+    written, gate = tmp_path / "written", threading.Event()
+    with Client(scheduler, set_as_default=False) as client:
+        victims = client.run(os.getpid).values()
+    with engines.engine(None, scheduler, None) as found:
+        try:
+            found.executor.submit(abs, -1).add_done_callback(lambda _: gate.wait(60.0))  # nothing is fetched meanwhile
+            outcome = found.executor.submit(Path.write_text, written, "three")
+            appears(written)
+            for victim in victims:
+                os.kill(victim, signal.SIGKILL)
+            written.unlink()
+        finally:
+            gate.set()
+        assert outcome.result(60.0) == 5
+    assert written.exists()
+
+
+def appears(path):
+    until = time.monotonic() + 60.0
+    while not (path.exists() and path.read_text()):
+        assert time.monotonic() < until
+        time.sleep(0.01)
+
+
+def test_a_run_without_any_worker_left_ends(monkeypatch, tmp_path):
+    """Here the programs end that would start workers again."""
+    pytest.importorskip("distributed")
+    before, start = [], local._start
+    monkeypatch.setattr(local, "_start", lambda *given: before.append(start(*given)) or before[-1])
+    monkeypatch.setattr(work, "GLANCE", 0.1)
+
+    def kill():
+        until = time.monotonic() + 60.0
+        while (len(before) < 2 or not list(tmp_path.glob("samples-*"))) and time.monotonic() < until:
+            time.sleep(0.01)
+        for worker in before:
+            os.killpg(worker.pid, signal.SIGKILL)
+
+    threading.Thread(target=kill, daemon=True).start()
+    with pytest.raises(WorkerError, match=r"all worker processes have ended; the first of them said: .*; what is"):
+        kinematics(20_000, workers=2, folder=tmp_path)
 
 
 def test_workers_on_this_machine_are_started_and_ended(forty):
@@ -340,4 +388,4 @@ def test_a_scheduler_without_workers_is_said(caplog):
         engines.engine(None, cluster.scheduler_address, None) as found,
     ):
         assert found.name == f"Dask, {cluster.scheduler_address}"
-    assert "has no workers yet: waiting for one" in caplog.text
+    assert "has no workers: waiting for one" in caplog.text

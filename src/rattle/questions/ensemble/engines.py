@@ -7,12 +7,13 @@ what it sends back is the piece.  So a worker needs nothing but the package, and
 from __future__ import annotations
 
 import logging
+import math
 import os
 import socket
 import threading
 import time
-from collections.abc import Iterator
-from concurrent.futures import Executor
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
@@ -35,6 +36,7 @@ from rattle.version import __version__
 log = logging.getLogger("rattle")
 
 CONNECTION = 10.0  # seconds to wait for a scheduler
+ALONE = 10.0  # seconds that a scheduler may be without its workers before this is said
 MOST_WORKERS = 1024  # processes on one machine
 JOBS_KEPT = 4  # runners that a worker keeps
 
@@ -67,6 +69,7 @@ class Engine(NamedTuple):
 
     executor: Executor
     name: str
+    look: Callable[[], None] = lambda: None  # whether anybody is left to run them.  Raises WorkerError
 
 
 def job_of(task: Task) -> Job:
@@ -134,12 +137,58 @@ def engine(
         yield Engine(executor, type(executor).__name__)
     elif scheduler is not None and needed:
         with _client(scheduler) as client:
-            yield Engine(client.get_executor(pure=False), f"Dask, {scheduler}")
+            yield Engine(_OnDask(client), f"Dask, {scheduler}", _Watch(client, scheduler).look)
     elif workers is not None and needed:
-        with local_workers(workers) as address, _client(address) as client:
-            yield Engine(client.get_executor(pure=False), "Dask")
+        with local_workers(workers) as (address, look), _client(address) as client:
+            yield Engine(_OnDask(client), "Dask", look)
     else:
         yield None
+
+
+class _OnDask(Executor):
+    """Calls on the workers of a Dask client.
+
+    `client.get_executor()` loses a result whose worker ends as it is fetched; `result` of a Dask future waits until it
+    has been made again.
+    """
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+
+    def submit(self, function: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
+        """The outcome of a call; who cancels it takes the call back."""
+        asked = self._client.submit(function, *given, pure=False, **named)
+        outcome: Future[Any] = Future()
+
+        def deliver(done: Any) -> None:
+            if not outcome.set_running_or_notify_cancel():
+                return
+            try:
+                outcome.set_result(done.result())
+            except BaseException as error:  # whatever it is: who waits must hear of it
+                outcome.set_exception(error)
+
+        asked.add_done_callback(deliver)
+        outcome.add_done_callback(lambda ended: asked.cancel() if ended.cancelled() else None)
+        return outcome
+
+
+class _Watch:
+    """Says that a scheduler has no workers: at once, or after some patience if it had some."""
+
+    def __init__(self, client: Any, address: str) -> None:
+        self._client, self._address = client, address
+        self._left, self._said = -math.inf, False  # when it had workers [s]
+        self.look()
+
+    def look(self) -> None:
+        """To be called now and then."""
+        now = time.monotonic()
+        if self._client.scheduler_info()["workers"]:
+            self._left, self._said = now, False
+        elif not self._said and now - self._left > ALONE:
+            self._said, at = True, self._address
+            log.warning(f"{at} has no workers: waiting for one; start it with `dask worker {at}`")
 
 
 def _require_executor(executor: object) -> None:
@@ -183,8 +232,6 @@ def _connected(distributed: Any, address: str) -> Iterator[Any]:
             f" workers with `dask worker {address}`"
         ) from error
     try:
-        if not client.scheduler_info()["workers"]:
-            log.warning(f"{address} has no workers yet: waiting for one; start it with `dask worker {address}`")
         yield client
     finally:
         client.close()

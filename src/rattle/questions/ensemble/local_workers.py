@@ -9,8 +9,9 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,11 +24,12 @@ LOOPBACK = "127.0.0.1"
 
 
 @contextmanager
-def local_workers(count: int) -> Iterator[str]:
+def local_workers(count: int) -> Iterator[tuple[str, Callable[[], None]]]:
     """The address of a scheduler with so many workers of one thread each; nothing but this machine can reach it.
 
-    Workers are programs of their own, not children that import the script of the user again.  A worker that dies is
-    started again; all of them end with this process, however it ends.  Raises WorkerError, MissingPackage.
+    With it comes a function that raises WorkerError when no worker is left.  Workers are programs of their own, not
+    children that import the script of the user again.  A worker that dies is started again; all of them end with this
+    process, however it ends.  Raises WorkerError, MissingPackage.
     """
     distributed = package("distributed", "running on several processes")
     with (
@@ -46,7 +48,7 @@ def local_workers(count: int) -> Iterator[str]:
             for n in range(count):
                 started.append(_start(address, Path(folder), n))
             _wait(cluster, started, count, Path(folder))
-            yield address
+            yield address, partial(_require_one, started, Path(folder))
         finally:
             _end(started)
 
@@ -66,14 +68,25 @@ def _start(address: str, folder: Path, n: int) -> subprocess.Popen[bytes]:
         )  # fmt: skip
 
 
+def _last_words(folder: Path, n: int) -> str:
+    """What worker n has said last."""
+    words = (folder / f"worker-{n}.log").read_text(errors="replace").strip().splitlines()
+    return words[-1] if words else "it said nothing"
+
+
+def _require_one(started: list[subprocess.Popen[bytes]], folder: Path) -> None:
+    """Raises WorkerError if all have ended."""
+    if all(worker.poll() is not None for worker in started):
+        raise WorkerError(f"all worker processes have ended; the first of them said: {_last_words(folder, 0)}")
+
+
 def _wait(cluster: Any, started: list[subprocess.Popen[bytes]], count: int, folder: Path) -> None:
     """Wait until all workers are there.  Raises WorkerError."""
     end = time.monotonic() + START
     while len(cluster.scheduler_info["workers"]) < count:
         ended = [n for n, worker in enumerate(started) if worker.poll() is not None]
         if ended or time.monotonic() > end:
-            words = (folder / f"worker-{(ended or [0])[0]}.log").read_text(errors="replace").strip().splitlines()
-            why = f"did not start: {words[-1] if words else 'it said nothing'}" if ended else "is not there"
+            why = f"did not start: {_last_words(folder, ended[0])}" if ended else "is not there"
             raise WorkerError(f"a worker process {why} (waited up to {START:g} s)")
         time.sleep(0.05)
 

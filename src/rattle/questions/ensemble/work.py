@@ -131,7 +131,11 @@ def run_elsewhere(
                 with _in_words(first, store):
                     running[engine.executor.submit(work, job, first, values)] = first
                 left -= last - first
-            for future in wait(running, timeout=GLANCE, return_when=FIRST_COMPLETED).done:
+            ended = wait(running, timeout=GLANCE, return_when=FIRST_COMPLETED).done
+            if not ended:
+                with _in_words(done, store):
+                    engine.look()
+            for future in ended:
                 with _in_words(running.pop(future), store):
                     done_piece = future.result()
                 store.add(done_piece.piece)
