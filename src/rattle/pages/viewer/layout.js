@@ -27,7 +27,7 @@ export function layout(host, scene) {
   const insets = make("div", { class: "insets" });
   const busy = make("div", { class: "busy", role: "status", hidden: true });
   const late = make("div", { class: "late quiet", hidden: true }, word("after the horizon: statistics only"));
-  const stage = make("section", { class: "stage", "aria-label": word("Mechanism") }, canvas, tools, insets, busy);
+  const stage = make("section", { class: "stage", "aria-label": word("Mechanism") }, canvas, tools, insets);
   const knobs = make("section", { class: "knobs", "aria-label": word("Parameters"), hidden: true });
   const runs = make("div", { class: "runs", hidden: true });
   const tabs = make("div", { class: "tabs", role: "tablist" });

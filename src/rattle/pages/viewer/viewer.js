@@ -42,7 +42,7 @@ export class Viewer {
     this.insets = new Insets(parts.insets, word);
     this.player = new Player(this);
     this.tools = toolbar(this, this.scene);
-    parts.tools.append(...this.tools.all, parts.late);
+    parts.tools.append(...this.tools.all, parts.late, parts.busy);
     const panels = make("div", { class: "panels", "data-empty": word("Choose curves to see them over time.") });
     this.curves = new Curves(panels, this);
     this.chooser = new Chooser(this);
