@@ -338,13 +338,29 @@ def test_poissons_law_of_several_contacts():
     assert_alike(m, samples, ["final(block.x)", LOST], 0.6, rel=1e-9, abs=1e-9)
 
 
-def test_restitution_laws_that_run_alone():
-    stiff = ROW.replace('restitution = "e"', 'restitution = "e", stiffness = 1')
-    found = with_law(stiff, "lzb").many({"e": [0.5]}, t_end=0.5, outputs=["final(c.vx)"])
-    assert 'restitution_law = "lzb" cannot be straight-line code' in found.stats["how"]
-    found = with_law(ROW, "energetic").many({"e": [0.5]}, t_end=0.5, outputs=["final(c.vx)"])
+STIFF = ROW.replace('restitution = "e"', 'restitution = "e", stiffness = 1')
+
+
+@pytest.mark.parametrize("law", ["energetic", "lzb"])
+def test_impacts_by_energy_one_after_the_other(law):
+    """v- of the first ball is shared (1 - e) : (1 + e) by each pair, and what is slower is not caught up with."""
+    m, e = with_law(STIFF, law).set(gap=0.3), np.array([1.0, 0.9, 0.5])
+    _, (a, b, c) = side_by_side(m, {"e": e}, ["final(a.vx)", "final(b.vx)", "final(c.vx)"], 1.5, **FINE)
+    np.testing.assert_allclose(a, (1.0 - e) / 2.0, atol=1e-15)
+    np.testing.assert_allclose(b, (1.0 + e) * (1.0 - e) / 4.0, atol=1e-15)
+    np.testing.assert_allclose(c, (1.0 + e) ** 2 / 4.0, atol=1e-15)
+    for k, x in enumerate(e):
+        r = m.set(e=x).simulate(1.5, **FINE)
+        np.testing.assert_allclose([r[f"{ball}.vx"][-1] for ball in "abc"], [a[k], b[k], c[k]], atol=1e-15)
+
+
+@pytest.mark.parametrize("law", ["energetic", "lzb"])
+def test_impacts_by_energy_of_several_contacts_run_alone(law):
+    m = with_law(STIFF, law)
+    found = m.many({"e": [0.5]}, t_end=0.5, outputs=["final(c.vx)"], **FINE)
     assert "more contacts at once" in found.stats["how"]
     assert not found.messages
+    assert found["final(c.vx)"][0] == m.set(e=0.5).simulate(0.5, **FINE)["c.vx"][-1]
 
 
 def shafts(clutch, stop="", load="T*cos(2*t)"):

@@ -23,7 +23,7 @@ from rattle.jit.choices import assume
 from rattle.language.recorded import Operand, Recorded, bare, symbol_of
 from rattle.solvers.contacts.contact_events import GAUSS, WEIGHTS
 from rattle.solvers.contacts.gap_search import rate_rounding
-from rattle.solvers.nonsmooth.impact_phases import LZB, NEWTON, POISSON
+from rattle.solvers.nonsmooth.impact_phases import NEWTON, POISSON
 from rattle.trace.graph import Graph, Symbol, apply, select, summed
 from rattle.trace.known_signs import SHALLOW, Depth, positive
 from rattle.trace.recorded_friction import RecordedFriction
@@ -74,10 +74,9 @@ class RecordedContacts:
         simple = friction is None and not any(_is(values[p + at.RESTITUTION_LAW], POISSON) for p in places[self.rigid])
         # whether rigid ones can be crowded: impacts in two phases, and joints that rub, make too much of each mode
         self.may_crowd = simple and self.rigid.sum() > SLOTS and bool((self.rigid & ~self.lasts).any())
-        alone = self.rigid.sum() == 1 and smooth[int(np.flatnonzero(self.rigid)[0])]  # then all laws are one
         self.rubbing, self.switches, self._crowded = friction, switches, crowded
         for n in range(len(self.joints)):
-            self._require_able(n, values, alone)
+            self._require_able(n, values)
         self._take_inputs()
         # a rigid one may be HITS, DECIDES too
         self.is_shut = [(shut > 0.5) & (shut < 1.5) for shut in self.shut[: len(self.joints)]]
@@ -95,13 +94,13 @@ class RecordedContacts:
         if self.switches is not None:
             self.switches.sides = list(self.speed[last:])
 
-    def _require_able(self, n: int, values: np.ndarray, alone: bool) -> None:
-        """Raise TraceError for a contact that cannot be recorded; alone: there is one rigid one, and it is smooth."""
+    def _require_able(self, n: int, values: np.ndarray) -> None:
+        """Raise TraceError for a contact that cannot be recorded."""
         entry, joint = self.table[n], self.joints[n]
         reasons = [(has(entry[k]), CONTACTS.format(words)) for k, words, has in UNABLE]
         reasons += self._unable_kinds(entry)
         if self.rigid[n]:
-            reasons += self._unable_impacts(entry, values, alone)
+            reasons += self._unable_impacts(entry, values)
         why = next((words for holds, words in reasons if holds), None)
         if why is not None:
             raise TraceError(why.format(f"joint {joint}"))
@@ -114,7 +113,7 @@ class RecordedContacts:
             (bool(entry[at.STATES]) and not self.lanes, CONTACTS.format("friction with states")),
         ]
 
-    def _unable_impacts(self, entry: np.ndarray, values: np.ndarray, alone: bool) -> list[tuple[bool, str]]:
+    def _unable_impacts(self, entry: np.ndarray, values: np.ndarray) -> list[tuple[bool, str]]:
         """The same of a rigid one."""
         first, friction, clutch = entry[at.NORMAL_P], self.rubbing, bool(entry[at.LEVEL] or entry[at.TOOTHED])
         law = values[first + at.RESTITUTION_LAW]
@@ -122,10 +121,6 @@ class RecordedContacts:
         rubs, takes_part = friction is not None and bool(friction.rubs), friction is not None and friction.takes_part
         beside = "impacts ({}) beside dry friction of joints run side by side with restitution_law"
         return [
-            (
-                not alone and _is(law, LZB),
-                'impacts ({}) with restitution_law = "lzb" cannot be straight-line code',
-            ),
             (
                 friction is not None and not self.lanes,
                 "friction of joints beside rigid contacts ({}) has no derivatives",

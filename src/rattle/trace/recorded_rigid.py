@@ -35,7 +35,7 @@ from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.language.recorded import Flag, Operand, symbol_of
 from rattle.solvers.contacts.gap_search import rate_rounding
-from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, NEWTON, POISSON
+from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, LZB, NEWTON, POISSON
 from rattle.trace.graph import Graph, Symbol, apply, both, select, select_flag, summed
 from rattle.trace.recorded_friction import (
     HIT,
@@ -395,7 +395,7 @@ class RigidContacts:
             sound, told = 1.0, select(solved, select(agreed, 1.0, 0.0), -1.0)
         crowd = select(count <= float(MOST_SLOTS), -1.0, -2.0)
         sound = select(count <= float(self._most), sound, crowd)
-        if self._law(m) == ENERGETIC:  # one at a time
+        if self._law(m) in (ENERGETIC, LZB):  # one at a time
             sound = select(hits & (count > 1.0), -2.0, sound)
         return Struck(state, shut, slide, impulse, sound, turned, can, told)
 
@@ -434,7 +434,7 @@ class RigidContacts:
     def _in_phases(
         self, m: SimpleNamespace, slots: list[_Slot], rate: dict[int, Operand], slip: dict[int, Operand], poisson: bool
     ) -> tuple[list[list[Operand]], Flag]:
-        """As `_impulses`, of an impact in which expansion follows compression, after Poisson or by its energy."""
+        """As `_impulses`, of an impact in which expansion follows compression, after Poisson or by energy."""
         e, mu = (self._of(m, field) for field in (at.RESTITUTION, at.MU))
         parties = [Party(slot.taken, slot.loose, slot.of(mu), slot.of(e)) for slot in slots]
         rates = [x for slot in slots for x in (slot.of(rate), slot.of(slip))[: self.width]]

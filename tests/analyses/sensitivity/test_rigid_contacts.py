@@ -94,6 +94,36 @@ def test_what_hits_while_another_contact_lasts(law):
     assert_alike(rt.loads(text), outputs, ["mu"], 0.16, rel=1e-5)
 
 
+@pytest.mark.parametrize("law", ["energetic", "lzb"])
+def test_impacts_by_energy_of_one_contact(law):
+    """v+ = e sqrt(2 g h) from the height h; of several at once there is no derivative, which is said."""
+    text = """
+format = 1
+parameters = { e = 0.7, h = 0.2, low = 0.0 }
+gravity = [0, -9.81]
+ground.points = { O = [0, 0], P = [1, 0] }
+bodies.a = { points = { C = [0, 0] }, mass = 1, inertia = 1 }
+bodies.b = { points = { C = [0, 0] }, mass = 2, inertia = 1 }
+initial = { a = { x = 0, y = "h" }, b = { x = 1, y = "low + 1" } }
+"""
+    for name, foot in (("a", "O"), ("b", "P")):
+        text += f"""
+[joints.stop_{name}]
+type = "prismatic"
+connect = ["ground.{foot}", "{name}.C"]
+axis = "90 deg"
+angle = 0
+stop = {{ min = 0, contact = {{ model = "impact", restitution = "e", restitution_law = "{law}", stiffness = 1 }} }}
+"""
+    m, t = rt.loads(text), 0.3
+    found = slopes(m, ["a.vy"], ["e", "h"], t)
+    v = math.sqrt(2.0 * G * 0.2)
+    assert found["a.vy", "e"] == pytest.approx(v, rel=1e-9)
+    assert found["a.vy", "h"] == pytest.approx(G / v * (1.0 + 0.7), rel=1e-9)
+    s = m.set(low=-0.8).sensitivity(["a.vy"], ["e"], [0.0, t])
+    assert "of energetic and lzb restitution one" in s.message
+
+
 def test_from_a_start_that_a_parameter_moves_off_its_wall_there_is_no_derivative():
     text = block().replace("y = 0.1,", 'y = "h",').replace("F = 0.0", "F = 0.0, h = 0.1")
     s = rt.loads(text).sensitivity(["block.x"], ["h"], [0.0, 0.1])

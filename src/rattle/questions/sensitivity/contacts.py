@@ -369,7 +369,7 @@ class ContactMotion(Motion):
         """Whether what contacts do is known; a message if not, in words for their joints."""
         names = ", ".join(dict.fromkeys(self.touching.joints[n] for n in those))
         if blow.sound != 1.0:
-            most = f"{SLOTS}" if blow.sound == -1.0 else f"{MOST_SLOTS}, of energetic restitution one"
+            most = f"{SLOTS}" if blow.sound == -1.0 else f"{MOST_SLOTS}, of energetic and lzb restitution one"
             crowded = f"{names} and others: {CROWDED} ({most}); compare two runs with set()"
             why = crowded if blow.sound < 0.0 else words.format(names)
             self.message = f"stopped at t = {self.t:.6g} s: {why}"
