@@ -147,6 +147,8 @@ class _Curves:
         """The values of an expression at all instants but those at which they are left out of the result."""
         values = np.broadcast_to(arrays.evaluate(node, self.of_name), self.t.shape)
         kept = np.flatnonzero(np.isfinite(values) | ~self.left_out)
+        if len(values) and not len(kept):  # a curve without any value
+            kept = np.array([0])
         beside = np.diff(kept) > 1  # the curve is straight across what is left out: both ends are breaks
         kept = np.sort(np.concatenate([kept, kept[:-1][beside], kept[1:][beside]]))
         return SampledCurve(self.t[kept], values[kept])
