@@ -79,10 +79,13 @@ def new(name, method=None, t_end=None, finer=1.0, **changes):
     )
 
 
-def with_result(folder, m, t_end=None):
-    """Write what `RESULT` reads: the data and functions with which the end of a run becomes a result."""
+def with_result(folder, m, t_end=None, names=None):
+    """Write what `RESULT` reads: the data and functions with which the end of a run becomes a result.
+
+    names: of the parameters that a page changes, all by default.
+    """
     tape = Tape()
-    data, numbers = result_data(m, tape, t_end)
+    data, numbers = result_data(m, tape, t_end, names)
     (folder / "result_data.json").write_text(json.dumps({"data": data, "tape": tape.written(), "numbers": numbers}))
 
 

@@ -32,6 +32,7 @@ import rattle as rt
 from rattle.analyses.dynamics.horizon import agreement
 from rattle.analyses.dynamics.methods import note_choice
 from rattle.analyses.dynamics.report import report
+from rattle.pages.live_model import live_model
 from rattle.results import contact_summary
 from rattle.results.contact_summary import contact_lines
 from rattle.results.trust import HOW
@@ -61,7 +62,7 @@ bare = lambda lines: [NUMBER.sub("#", LOSE.sub("", line)) for line in lines]
 folder, close, differ = Path(sys.argv[1]), float(sys.argv[2]), {}
 nan = lambda x: float("nan") if x is None else x
 for name in sys.argv[3:]:
-    with_result(folder, rt.example(name))
+    with_result(folder, rt.example(name), names=list(live_model(rt.example(name), alone=True).parameters))
     run, second = new(name), new(name, finer=10.0)
     run.notes = note_choice(run.system, run.system.model.settings.method, run.stepper)
     run.go()

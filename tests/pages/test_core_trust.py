@@ -93,6 +93,17 @@ clearance = 2
 block = { length = 1e-4, height = 1e-4 }
 contact = { model = "impact", friction = 1.6 }
 """
+LIGHT = """
+ground.points = { O = [0, 0], Q = [0.4, 0] }
+bodies.crank = { bar = ["A", "B"], length = 0.1, mass = 1 }
+bodies.coupler = { bar = ["B", "C"], length = 0.35, mass = 1e-9 }
+bodies.rocker = { bar = ["C", "D"], length = 0.25, mass = 1 }
+joints.O = { type = "revolute", connect = ["ground.O", "crank.A"] }
+joints.B = { type = "revolute", connect = ["crank.B", "coupler.B"] }
+joints.C = { type = "revolute", connect = ["coupler.C", "rocker.C"] }
+joints.Q = { type = "revolute", connect = ["rocker.D", "ground.Q"] }
+initial.crank = { angle = "60 deg", omega = 10 }
+"""
 BELT = (Path(rt.__file__).parent / "examples" / "belt_drive.toml").read_text().replace("toothed = true", "")
 LINK = HANGING.replace('"impact"', '"massless-link"').replace("3.0*max", "0.1*t + 3.0*max")
 RARE = {  # model, end [s], and what must be among the words
@@ -106,6 +117,7 @@ RARE = {  # model, end [s], and what must be among the words
     "not unique": (BLOCK, 0.01, "friction by a reaction that is not unique"),
     "shared": (DISC, 3.0, "can share a force at joint 'pin'"),
     "slips": (BELT.replace("format = 1", ""), 1.5, "would slip, first at"),
+    "light": (LIGHT, 0.05, "masses of bodies differ by too many orders of magnitude"),
     "no solution": (POLE, 0.001, "has no solution"),
 }
 COMPARED = """

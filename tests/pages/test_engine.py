@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import rattle as rt
+from linkages import SCISSOR
 from live import computed, program_of
 from rattle.pages.live_model import live_model
 from rattle.results.columns import geometry
@@ -162,6 +163,17 @@ def test_a_motion_through_singular_positions_goes_on_as_in_python(tmp_path):
     run = computed(tmp_path, live, t_end=1.0)
     assert run["success"]
     assert apart(run, simulated(m, run, 1.0), ["p1.x", "p1.y"]) < 1e-6
+
+
+def test_a_run_that_ends_beside_a_singular_position_leaves_its_forces_out_as_in_python(tmp_path):
+    m = rt.loads(SCISSOR)
+    run, r = computed(tmp_path, live_model(m), t_end=0.32), m.simulate(0.32)
+    assert run["trust"]["singular"] == pytest.approx(r.trust.singular, rel=1e-6)
+    assert "the table leaves out 0.3149 to 0.32 s" in "".join(run["trust"]["text"])
+    left_out = [name for name in run["names"] if np.isnan(r[name]).any()]
+    assert left_out
+    for name in left_out:
+        np.testing.assert_array_equal(np.isnan(run["columns"][name]), np.isnan(r[name]))
 
 
 def test_trust_says_what_python_says(tmp_path):

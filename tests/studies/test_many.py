@@ -298,6 +298,16 @@ def test_why_a_sample_failed_stands_in_its_message_and_not_in_the_log(caplog):
     assert not caplog.records
 
 
+def test_a_sample_all_of_whose_forces_are_left_out_is_a_row_with_its_message():
+    """The coupler weighs nothing beside the others: its constraints look singular all the time."""
+    m = rt.example("fourbar").ideal()
+    m = m.set({f"bodies.{name}.mass": mass for name, mass in zip(m.model.bodies, (1.0, 1e-9, 1.0), strict=True)})
+    found = m.many({"l2": [0.6]}, ["max(O3.fx)", "final(rocker.angle)"], 0.01)
+    assert found.message(0) == "no finite value: max(O3.fx)"
+    assert np.isnan(found["max(O3.fx)"]).all()
+    assert np.isfinite(found["final(rocker.angle)"]).all()
+
+
 @pytest.mark.nojit
 @pytest.mark.parametrize("output", ["quantile(block.x, 0.5)", "max(ideal.block.x)"])
 def test_ctrl_c_stops_all_samples(output, monkeypatch):

@@ -134,7 +134,7 @@ NEEDED = {  # columns of arrays of a run that become parts of a result
     "contact_memory": ("CLOSED", "SHUT", "SINCE", "SPEED", "PEAK", "IMPULSE_0", "LOSS_0", "UNSURE", "LEFT_END", "OPEN"),
     "timed": ("OWN_CODE", "RESOLVED", "FIRST_FOUND"),
     "switchings": ("SIDE_AFTER",),
-    "passage": ("PASSED", "PASSED_AT", "PASSED_FROM", "PASSED_UNTIL"),
+    "passage": ("PASSED", "PASSED_AT", "PASSED_FROM", "PASSED_UNTIL", "NEARBY", "CLOSEST_ROOT", "NEAR_SINCE"),
 }
 ALIKE = {  # for every model
     "sample": {key: getattr(samples, key) for key in ("BEST", "WHEN", "SQUARES")},

@@ -36,7 +36,7 @@ from rattle.jit import layout as at
 from rattle.language.bytecode import SIDE
 from rattle.results import contact_summary, trust
 from rattle.results.columns import geometry, width
-from rattle.solvers import step_audit
+from rattle.solvers import singular_passage, step_audit
 from rattle.solvers.contacts import penetration
 from rattle.solvers.nonsmooth import event_driven, jams
 from rattle.solvers.output_row import record
@@ -76,6 +76,7 @@ LIMITS = {
     events: ("GAIN",),
     event_driven_run: ("LEAST_SAID", "NEARLY_LOCKED"),
     singular_passages: ("NAMED",),
+    singular_passage: ("PASSED", "SINGULAR"),
     grip: ("CARRIES",),
     oil_notes: ("INERTIA", "VORTICES", "HARD"),
 }

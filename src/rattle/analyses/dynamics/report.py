@@ -57,7 +57,7 @@ def report(run: Run, reach: Reach | None) -> Result:
     reached = float(run.clock[at.T])
     passed = passages(run)
     nonunique, singular = _nonunique(run)
-    singular = passage_notes(passed) or singular
+    singular = passage_notes(passed, run.start.t, reached) or singular
     contacts = contact_events(system, run.contacts, run.workspace, reached)
     notes = (
         *run.start.notes,

@@ -20,6 +20,8 @@ SENTENCES = {  # of notes, also in pages
     " without bound, the table leaves out {span}",
     "passes_many": "the run passes {count} singular positions, at t = {times} s{more}{lose}; forces there are not"
     " determined, or grow without bound, the table leaves out up to {half:.2g} ms on both sides",
+    "throughout": "forces are left out: constraints are next to a singular position all the time, or masses of bodies"
+    " differ by too many orders of magnitude (a link without weight takes mass = 0)",
     "lose": ": constraints of {joints} lose rank",
 }
 
@@ -56,10 +58,12 @@ def passages(run: Running) -> tuple[Passage, ...]:
     return tuple(passed)
 
 
-def passage_notes(passed: tuple[Passage, ...]) -> tuple[str, ...]:
-    """What is said of them."""
+def passage_notes(passed: tuple[Passage, ...], start: float, end: float) -> tuple[str, ...]:
+    """What is said of them, of a run from start to end [s]."""
     if not passed:
         return ()
+    if any(passage.since <= start and passage.until >= end for passage in passed):
+        return (SENTENCES["throughout"],)
     joints = ", ".join(passed[0].joints[:6])
     lose = SENTENCES["lose"].format(joints=joints) if joints else ""
     part = max(passed, key=lambda passage: passage.until - passage.since)

@@ -403,8 +403,8 @@ def _require_same(model: RecordedModel) -> None:
     outputs, modes = _at(model, functions, model.start.t, y, values)
     if not outputs[:4].all():
         raise TraceError(
-            "constraints are redundant, the start is next to a singular position, or points coincide: straight-line"
-            " code cannot pass that"
+            "constraints are redundant, the start is next to a singular position, points coincide, or masses differ by"
+            " orders of magnitude: straight-line code cannot pass that"
         )
     _require_equal(model, model.system, y, modes, outputs[4:], "at the start; this is a fault of rattle")
     random = np.random.default_rng(0)

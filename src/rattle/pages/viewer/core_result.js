@@ -4,7 +4,7 @@
 
 import { CoreRoom } from "./core.js";
 import { messageOf } from "./core_trouble.js";
-import { joltsOf, passed, trustOf } from "./core_trust.js";
+import { endsBeside, joltsOf, passed, trustOf } from "./core_trust.js";
 
 /** What a page shows of a run that has ended, or was stopped; columns are those of `simulate`. */
 export function resultOf(run, data, functions, p = data.values, milliseconds = 0) {
@@ -103,11 +103,12 @@ function called(run, data, functions, p, rows) {
 // ---------------------------------------------------------------- peaks, events
 // value, time, root mean square by name: analyses/dynamics/peak_values.py
 function peaksOf(run, data, gaps) {
-  const { peaks, clock } = run.m.arrays, { BEST, WHEN, SQUARES } = data.sample, wide = peaks.shape[1];
+  const { peaks: last, peaks_aside: before, clock } = run.m.arrays, { BEST, WHEN, SQUARES } = data.sample;
+  const beside = endsBeside(run, data), { data: seen, shape: [, wide] } = beside ? before : last;
   const span = clock.data[data.at.clock.T] - run.start - gaps.reduce((sum, [since, until]) => sum + until - since, 0);
   const found = {};
   data.peaks.names.forEach((name, k) => {
-    const [best, when, squares] = [BEST, WHEN, SQUARES].map((c) => peaks.data[k * wide + c]);
+    const [best, when, squares] = (beside ? [0, 1, 2] : [BEST, WHEN, SQUARES]).map((c) => seen[k * wide + c]);
     const value = best > -Infinity ? best : NaN;
     found[name] = [value, when, span > 0 ? Math.sqrt(Math.max(squares, 0) / span) : Math.abs(value)];
   });

@@ -50,13 +50,25 @@ function pulls(run, data) {
   return { pulled, first_pull };
 }
 
+/** Whether a run has ended beside a singular position: what its peaks were before is in `peaks_aside`. */
+export function endsBeside({ m }, { at: { passage: P }, told: { limits } }) {
+  const { data, shape } = m.arrays.passage;
+  return shape[0] > 0 && (data[P.NEARBY] === limits.PASSED || data[P.CLOSEST_ROOT] < limits.SINGULAR);
+}
+
 /** Singular positions that were passed: when, and from when to when forces are left out [s]. */
-export function passed({ m }, data) {
-  const { passage, passages: rows } = m.arrays, P = data.at.passage, count = passage.shape[0] ? passage.data[P.PASSED] : 0;
-  return Array.from({ length: Math.min(count, rows.shape[0]) }, (_, k) => {
+export function passed(run, data) {
+  const { m } = run, { passage, passages: rows } = m.arrays, P = data.at.passage, count = passage.shape[0] ? passage.data[P.PASSED] : 0;
+  const read = (k) => {
     const row = m.row(rows, k).data;
     return { t: row[P.PASSED_AT], since: row[P.PASSED_FROM], until: row[P.PASSED_UNTIL] };
-  });
+  };
+  const every = Array.from({ length: Math.min(count, rows.shape[0]) }, (_, k) => read(k));
+  if (!endsBeside(run, data)) return every;
+  const counted = passage.data[P.NEARBY] === data.told.limits.PASSED;
+  if (!counted && count < rows.shape[0]) every.push({ ...read(count), since: passage.data[P.NEAR_SINCE] });
+  if (count - (counted ? 1 : 0) < rows.shape[0]) every.at(-1).until = run.t;
+  return every;
 }
 
 // how near friction has come to locking a contact: least share of its response, when, and its joint
@@ -132,6 +144,7 @@ function leftEnds(run, data) {
 function singularNote(run, data) {
   const every = passed(run, data), { sentences: { passage: said }, limits } = data.told;
   if (!every.length) return [];
+  if (every.some(({ since, until }) => since <= run.start && until >= run.t)) return [said.throughout];
   const widest = every.reduce((most, one) => (one.until - one.since > most.until - most.since ? one : most));
   if (every.length === 1) return [fill(said.passes, { t: widest.t, lose: "", span: spanOf(widest.since, widest.until) })];
   const times = every.slice(0, limits.NAMED).map(({ t }) => general(t, 4)).join(", ");
