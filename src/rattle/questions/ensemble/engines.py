@@ -187,8 +187,8 @@ class _Watch:
         if self._client.scheduler_info()["workers"]:
             self._left, self._said = now, False
         elif not self._said and now - self._left > ALONE:
-            self._said, at = True, self._address
-            log.warning(f"{at} has no workers: waiting for one; start it with `dask worker {at}`")
+            self._said = True
+            log.warning(f"{self._address} has no workers: waiting for one; start it with `dask worker {self._address}`")
 
 
 def _require_executor(executor: object) -> None:
