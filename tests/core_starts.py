@@ -10,10 +10,11 @@ import numpy as np
 import rattle as rt
 from rattle.equations.kept_values import MOVED
 from rattle.equations.start import count_constants, find_start, outside
-from rattle.errors import AssemblyError, ModelError
+from rattle.errors import AssemblyError, ModelError, TraceError
 from rattle.jit import functions
 from rattle.jit.workspace import TYPES, Workspace
 from rattle.pages.engine import engine_of_pages
+from rattle.pages.live_model import live_model
 from rattle.pages.start_data import start_data
 from rattle.pages.tape import Tape
 
@@ -35,11 +36,11 @@ console.log(JSON.stringify(starts.map(plainly)));
 """
 
 
-def found_in_node(folder, m, asked):
-    """What a page finds for lists of values of all parameters, in this order, in one finder."""
+def found_in_node(folder, m, asked, names=None):
+    """What a page finds for lists of values of parameters, all by default, in this order, in one finder."""
     functions.start()
     tape = Tape()
-    data = start_data(m, tape)
+    data = start_data(m, tape, names)
     (folder / "engine.wasm.gz").write_bytes(engine_of_pages())
     (folder / "start.json").write_text(json.dumps(data.description, allow_nan=False))
     (folder / "start.bin").write_bytes(data.content)
@@ -51,10 +52,18 @@ def found_in_node(folder, m, asked):
     return json.loads(done.stdout)
 
 
+def parameters_of(m):
+    """Names of the parameters that pages change: all, unless one cannot be recorded, as the diameter of a fit."""
+    try:
+        return start_data(m, Tape()).description["parameters"]
+    except TraceError:
+        return list(live_model(m, alone=True).parameters)
+
+
 def far_values(m):
     """(name, value [SI]) for every parameter that can be chosen: fractions and multiples within its limits."""
     known = m.model.parameters
-    for name in start_data(m, Tape()).description["parameters"]:
+    for name in parameters_of(m):
         one = known[name]
         least, most = (-math.inf if one.minimum is None else one.minimum, one.maximum or math.inf)
         values = [(one.value or 1.0) * share for share in (0.3, 0.7, 1.7, 2.4, 6.0)]
@@ -64,7 +73,7 @@ def far_values(m):
 def changed_values(m):
     """(name, value [SI]) for every parameter that can be chosen: a small step, and a larger one towards its limits."""
     known = m.model.parameters
-    for name in start_data(m, Tape()).description["parameters"]:
+    for name in parameters_of(m):
         one = known[name]
         far = one.maximum if one.maximum is not None and one.maximum > one.value else one.minimum
         yield name, (one.value or 1.0) * 1.004
@@ -75,12 +84,12 @@ def starts_apart(folder, name, far=False):
     """By parameter and value, how starts in a page differ from those of Python; only those that do."""
     m = rt.example(name)
     values = list(far_values(m) if far else changed_values(m))
-    names = start_data(m, Tape()).description["parameters"]
+    names = parameters_of(m)
     own = [m.model.parameters[x].value for x in names]
     asked = [own]
     for changed, value in values:
         asked.append([value if x == changed else y for x, y in zip(names, own, strict=True)])
-    first, *starts = found_in_node(folder, m, asked)
+    first, *starts = found_in_node(folder, m, asked, names)
     assert first["error"] is None
     assert first["q"] == m.start.q.tolist()
     assert first["v"] == m.start.v.tolist()

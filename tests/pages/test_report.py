@@ -257,8 +257,9 @@ def test_a_report_is_written_in_the_units_that_were_asked_for(tmp_path, monkeypa
     assert "rattle report slider_crank --units cm,kN -o r.html" in text
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("name", rt.examples())
+@pytest.mark.parametrize(
+    "name", [pytest.param(x, marks=() if x == "press" else pytest.mark.long) for x in rt.examples()]
+)
 def test_every_example_has_a_report(tmp_path, name):
     page = write(rt.example(name), tmp_path)
     assert "How far this can be trusted" in page.text

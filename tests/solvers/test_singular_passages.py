@@ -83,7 +83,8 @@ def swings_as_a_pendulum(n: int, rtol: float) -> None:
     assert r.success, r.message
     angle, instants = pendulum_of(n, 10.0)
     # the error of a swinging pendulum's phase grows with time and with the number of bodies in the norm of the error
-    assert r["p0.angle"][-1] == pytest.approx(angle, abs=max(1e-6, 3e3 * rtol))
+    # a passage may be off by 1e-7 (CROSSED), which a pendulum that is nearly upright makes fifteen times as large
+    assert r["p0.angle"][-1] == pytest.approx(angle, abs=max(3e-6, 3e3 * rtol))
     assert np.ptp([r[f"p{k}.angle"][-1] for k in range(n + 1)]) < 1e-6  # none has folded over
     assert r.trust.singular == pytest.approx(instants, abs=max(1e-5, 1e3 * rtol))
     # bars of 1 kg swinging at 6 rad/s: a force beyond 1 kN would be one of an instant in line

@@ -54,12 +54,13 @@ def drawing(figure: Figure, caption: str = "") -> Block:
     """A figure as a drawing."""
     from matplotlib import rc_context
 
-    from rattle.plots.figure import TEXT
+    from rattle.plots.figure import TEXT, with_own_names
 
     out = io.StringIO()
     with rc_context({**TEXT, "svg.hashsalt": "rattle"}):
         figure.savefig(out, format="svg", metadata={"Date": None}, transparent=True)
-    return {"kind": "svg", "svg": out.getvalue()[out.getvalue().index("<svg") :], "caption": caption}
+    text = out.getvalue()
+    return {"kind": "svg", "svg": with_own_names(text[text.index("<svg") :]), "caption": caption}
 
 
 def line(name: str, x: ArrayLike, y: ArrayLike, **style: Any) -> Block:

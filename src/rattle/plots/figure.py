@@ -50,7 +50,11 @@ class Page(Figure):
             lines.set_rasterized(False)
         text = out.getvalue()
         text = re.sub(r"<metadata>.*?</metadata>", "", text[text.index("<svg") :], flags=re.DOTALL)
-        own = "p" + hashlib.sha256(text.encode()).hexdigest()[:8]  # the same picture has the same names
-        text = re.sub(r'(\sid="|url\(#|href="#)', rf"\1{own}-", text)
         opening = f'<svg class="picture" role="img" aria-label="{html.escape(label)}"'
-        return text.replace("<svg", opening, 1).strip()
+        return with_own_names(text).replace("<svg", opening, 1).strip()
+
+
+def with_own_names(text: str) -> str:
+    """An SVG element whose names no other picture of a page has; the same picture has the same names."""
+    own = "p" + hashlib.sha256(text.encode()).hexdigest()[:8]
+    return re.sub(r'(\sid="|url\(#|href="#)', rf"\1{own}-", text)
