@@ -83,6 +83,14 @@ def unread_curves(output: Output, result: Result) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for part in output.reductions for name in _unread(part, curves)))
 
 
+def missing_curves(output: Output, result: Result) -> tuple[str, ...]:
+    """Curves that are left out at every instant, so that the output is no number."""
+    if not len(result.t) or not result.left_out.all():
+        return ()
+    read = dict.fromkeys(name for part in output.reductions for name in names(part.inner) if name in result)
+    return tuple(name for name in read if not np.isfinite(result[name]).any())
+
+
 def _unread(part: Reduction, curves: _Curves) -> tuple[str, ...]:
     """Curves that tower without meaning and on which the number of a reduction depends."""
     towers = () if part.kind in TOLD else towering(curves.outputs, names(part.inner))
@@ -147,8 +155,8 @@ class _Curves:
         """The values of an expression at all instants but those at which they are left out of the result."""
         values = np.broadcast_to(arrays.evaluate(node, self.of_name), self.t.shape)
         kept = np.flatnonzero(np.isfinite(values) | ~self.left_out)
-        if len(values) and not len(kept):  # a curve without any value
-            kept = np.array([0])
+        if not len(kept):  # a curve without any value
+            kept = np.arange(len(values))
         beside = np.diff(kept) > 1  # the curve is straight across what is left out: both ends are breaks
         kept = np.sort(np.concatenate([kept, kept[:-1][beside], kept[1:][beside]]))
         return SampledCurve(self.t[kept], values[kept])

@@ -16,7 +16,7 @@ from rattle.language.syntax import names
 from rattle.registry import kinds
 from rattle.results.columns import geometry
 from rattle.results.contact_summary import no_number
-from rattle.results.evaluation import evaluate, may_tower, needs_curve, unread_curves
+from rattle.results.evaluation import evaluate, may_tower, missing_curves, needs_curve, unread_curves
 from rattle.results.reductions import Known, Output, argument, meetings, needed_instants, read
 from rattle.results.result import Result, UnknownName
 from rattle.solvers.stepper import ATOL
@@ -86,9 +86,13 @@ class Task:
         return Sample(outputs, curves.reshape(len(self.histories), len(places)), self.unread(result))
 
     def unread(self, result: Result) -> tuple[str, ...]:
-        """Why outputs are no numbers in a result with rigid contacts, in words."""
+        """Why outputs are no numbers, in words: forces tower with rigid contacts, or are left out all the time."""
         unread = [(output.text, unread_curves(output, result)) for output in self.outputs]
-        return tuple(f"{text}: {no_number(curves[0])}" for text, curves in unread if curves)
+        missing = [(output.text, missing_curves(output, result)) for output in self.outputs]
+        return (
+            *(f"{text}: {no_number(curves[0])}" for text, curves in unread if curves),
+            *(f"{text}: {curves[0]} is left out all the time" for text, curves in missing if curves),
+        )
 
     def look(self, m: Mechanism, whole: bool = False) -> tuple[list[float], Result]:
         """The outputs [SI] of a mechanism, and the result from which they come.  Raises as `run`.
