@@ -1,6 +1,7 @@
 """What a page makes of the end of a compiled run is the result of `simulate`."""
 
 import json
+import math
 import os
 import shutil
 import subprocess
@@ -12,6 +13,7 @@ from llvmlite.binding import llvm_version_info
 
 import rattle as rt
 from core_engine import RESULT, VIEWER, in_node, new, with_result
+from linkages import SCISSOR, fourbar_text
 
 TYPICAL = (
     *("crank_rocker_play", "slider_crank_oil", "torque_converter", "belt_drive", "guide_play", "three_plays"),
@@ -154,6 +156,30 @@ run.advance();
   const [first, second] = [run, tight].map((each) => resultOf(each, data, functions));
   fs.writeFileSync("reach.json", JSON.stringify(agreement(first, second, run, data, functions)));
 """
+
+
+PEAKS = """run.advance();
+  const { resultOf } = await import("%s/core_result.js");
+  %s
+  fs.writeFileSync("peaks.json", JSON.stringify(resultOf(run, data, functions).peaks));
+"""
+
+
+LIGHT = fourbar_text('joint = "A"\nangle = "7*t"', 0.1, 0.35, 0.25, 0.4, "crank = { angle = 0 }").replace(
+    "mass = 2", "mass = 2e-9"
+)
+
+
+@pytest.mark.parametrize(("text", "end"), [(SCISSOR, 0.32), (LIGHT, 0.05)])
+def test_peaks_of_a_run_that_ends_beside_a_singular_position_are_those_before_it(text, end, tmp_path):
+    m = rt.loads(text)
+    with_result(tmp_path, m, end)
+    assert "error" not in in_node(tmp_path, new(m, t_end=end), PEAKS % (VIEWER.as_uri(), RESULT))
+    peaks, want = json.loads((tmp_path / "peaks.json").read_text()), m.simulate(end).peaks
+    assert {*peaks} == {*want}
+    for name in want:
+        value = [math.nan if x is None else x for x in peaks[name]]
+        assert value == pytest.approx(want[name], rel=1e-6, nan_ok=True)
 
 
 @pytest.mark.parametrize("name", ["gear_rattle", "slider_crank_oil", "double_pendulum"])

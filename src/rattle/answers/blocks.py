@@ -57,7 +57,7 @@ def drawing(figure: Figure, caption: str = "") -> Block:
     from rattle.plots.figure import TEXT, with_own_names
 
     out = io.StringIO()
-    with rc_context({**TEXT, "svg.hashsalt": "rattle"}):
+    with rc_context(TEXT):
         figure.savefig(out, format="svg", metadata={"Date": None}, transparent=True)
     text = out.getvalue()
     return {"kind": "svg", "svg": with_own_names(text[text.index("<svg") :]), "caption": caption}

@@ -155,9 +155,9 @@ class _OnDask(Executor):
     def __init__(self, client: Any) -> None:
         self._client = client
 
-    def submit(self, function: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
+    def submit(self, function: Callable[..., Any], /, *args: Any, **options: Any) -> Future[Any]:
         """The outcome of a call; who cancels it takes the call back."""
-        asked = self._client.submit(function, *given, pure=False, **named)
+        asked = self._client.submit(function, *args, pure=False, **options)
         outcome: Future[Any] = Future()
 
         def deliver(done: Any) -> None:

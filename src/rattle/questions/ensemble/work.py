@@ -133,7 +133,7 @@ def run_elsewhere(
                 left -= last - first
             ended = wait(running, timeout=GLANCE, return_when=FIRST_COMPLETED).done
             if not ended:
-                with _in_words(done, store):
+                with _in_words(min(running.values()), store):
                     engine.look()
             for future in ended:
                 with _in_words(running.pop(future), store):

@@ -96,8 +96,8 @@ class Runner:
         counted = np.array(
             [not any(part.kind in MAY_LACK for part in output.reductions) for output in outputs], dtype=bool
         )
-        told = np.isin(np.arange(values.shape[1]), list(batch.unread))
-        lacks = np.isnan(values) & (counted[:, None] | told)
+        unread = np.isin(np.arange(values.shape[1]), list(batch.unread))
+        lacks = np.isnan(values) & (counted[:, None] | unread)
         batch.lacking = [n for n in np.flatnonzero(lacks.any(axis=0)).tolist() if n not in batch.messages]
         for n in batch.lacking:
             plain = "no finite value: " + ", ".join(outputs[k].text for k in np.flatnonzero(lacks[:, n]))
