@@ -354,6 +354,16 @@ def test_impacts_by_energy_one_after_the_other(law):
         np.testing.assert_allclose([r[f"{ball}.vx"][-1] for ball in "abc"], [a[k], b[k], c[k]], atol=1e-15)
 
 
+@pytest.mark.parametrize(("law", "other"), [("lzb", "newton"), ("poisson", "newton"), ("newton", "energetic")])
+def test_joints_with_several_laws_are_refused_as_alone(law, other):
+    text = STIFF.replace('restitution = "e"', f'restitution_law = "{law}", restitution = "e"', 1)
+    text = text.replace(
+        '{ model = "impact", restitution = "e"', f'{{ model = "impact", restitution_law = "{other}", restitution = "e"'
+    )
+    found = rt.loads(text).many({"e": [0.5]}, t_end=0.5, outputs=["final(c.vx)"])
+    assert "needs one law for all joints" in found.message(0)
+
+
 @pytest.mark.parametrize("law", ["energetic", "lzb"])
 def test_impacts_by_energy_of_several_contacts_run_alone(law):
     m = with_law(STIFF, law)

@@ -302,7 +302,13 @@ def test_a_sample_all_of_whose_forces_are_left_out_is_a_row_with_its_message():
     """The coupler weighs nothing beside the others: its constraints look singular all the time."""
     m = rt.example("fourbar").ideal()
     m = m.set({f"bodies.{name}.mass": mass for name, mass in zip(m.model.bodies, (1.0, 1e-9, 1.0), strict=True)})
-    for output in ("max(O3.fx)", "at(O3.fx, 0.005)", "first(O3.fx > 1)", "share(O3.fx > 1)"):
+    for output in (
+        "max(O3.fx)",
+        "at(O3.fx, 0.005)",
+        "first(O3.fx > 1)",
+        "share(O3.fx > 1)",
+        "mean(5 if O3.fx > 1 else 7)",
+    ):
         found = m.many({"l2": [0.6]}, [output, "final(rocker.angle)"], 0.01)
         assert found.message(0) == f"{output}: O3.fx is left out all the time"
         assert np.isnan(found[output]).all()

@@ -17,6 +17,7 @@ import numpy as np
 
 from rattle.analyses.assembly.assembly import Assembled
 from rattle.analyses.assembly.start_constants import constants_of, flat, with_constants
+from rattle.analyses.dynamics.methods import require_frictionless_chain, require_one_law
 from rattle.analyses.dynamics.run import start_state
 from rattle.analyses.straight_line.derived_curves import derived_curve, derived_names
 from rattle.analyses.straight_line.recorded_start import RecordedStart, record_start
@@ -28,6 +29,7 @@ from rattle.equations.motion import place as place_bodies
 from rattle.equations.state import state_layout
 from rattle.equations.system import System, compile_system
 from rattle.errors import ModelError, TraceError, suggest
+from rattle.interfaces.steppers import StepperKind
 from rattle.jit import layout as at
 from rattle.language.bytecode import SIDE
 from rattle.language.recorded import Flag, Operand, Recorded, symbol_of
@@ -355,6 +357,7 @@ def require_written_loads(system: System) -> None:
 def _require_smooth(system: System, switches: bool) -> None:
     """Raise TraceError for what a calculation without branches and events cannot follow; switches: which it can."""
     require_written_loads(system)
+    _require_impacts(system)
     if switches:
         return
     driving = sorted({switch.name for switch in system.switches if switch.driving})
@@ -363,6 +366,15 @@ def _require_smooth(system: System, switches: bool) -> None:
             f"{', '.join(driving)} switches (abs, sign, min, max, floor, mod, if, tables with kinks): code would step"
             " over the jumps of a driver, or of gravity; use a smooth function of t"
         )
+
+
+def _require_impacts(system: System) -> None:
+    """Raise TraceError for rigid contacts that runs refuse: several laws, or what lzb does not know."""
+    try:
+        require_one_law(system, StepperKind)
+        require_frictionless_chain(system)
+    except ModelError as error:
+        raise TraceError("; ".join(problem.message for problem in error.problems)) from error
 
 
 def _require_above(system: System, start: Assembled) -> None:
