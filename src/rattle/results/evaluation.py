@@ -154,7 +154,7 @@ class _Curves:
     def curve(self, node: Node) -> SampledCurve:
         """The values of an expression at all instants but those at which they are left out of the result."""
         values = np.broadcast_to(arrays.evaluate(node, self.of_name), self.t.shape)
-        for name in names(node):  # a condition on what is left out has no value either
+        for name in names(node) if self.left_out.any() else ():  # a condition on what is left out has no value either
             values = np.where(self.left_out & ~np.isfinite(self.of_name(name)), np.nan, values)
         kept = np.flatnonzero(np.isfinite(values) | ~self.left_out)
         if not len(kept):  # a curve without any value
