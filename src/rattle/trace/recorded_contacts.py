@@ -110,7 +110,6 @@ class RecordedContacts:
         clutch = bool(entry[at.LEVEL] or entry[at.TOOTHED])
         return [
             (clutch and not self.lanes, "a clutch ({}) has no derivatives"),
-            (bool(entry[at.STATES]) and not self.lanes, CONTACTS.format("friction with states")),
         ]
 
     def _unable_impacts(self, entry: np.ndarray, values: np.ndarray) -> list[tuple[bool, str]]:
@@ -121,10 +120,6 @@ class RecordedContacts:
         rubs, takes_part = friction is not None and bool(friction.rubs), friction is not None and friction.takes_part
         beside = "impacts ({}) beside dry friction of joints run side by side with restitution_law"
         return [
-            (
-                friction is not None and not self.lanes,
-                "friction of joints beside rigid contacts ({}) has no derivatives",
-            ),
             (rubs and clutch, "a clutch ({}) beside joints that rub does not run side by side"),
             (takes_part and not _is(law, NEWTON), f'{beside} = "newton" only'),
             (limited, "clutches with max_torque ({}) do not run side by side"),

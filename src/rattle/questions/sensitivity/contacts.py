@@ -15,7 +15,9 @@ Leine, Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems (20
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -230,22 +232,28 @@ class ContactMotion(Motion):
     def _meet(self, hit: np.ndarray) -> None:
         """What begins or ends at the present instant."""
         touching, n = self.touching, int(hit[0])
-        rubs = bool(((hit >= touching.contacts) & (hit < touching.slides)).all())
-        rigid = bool(((hit >= touching.slides) | touching.rigid[hit]).all())
-        if len(hit) > 1 and not rubs and not (rigid and self._are_one(hit)):
+        rubs = hit[(hit >= touching.contacts) & (hit < touching.slides)]
+        others = np.setdiff1d(hit, rubs)
+        rigid = bool(((others >= touching.slides) | touching.rigid[others]).all())
+        if len(hit) > 1 and not (rigid and self._are_one(hit, others)):
             names = ", ".join(dict.fromkeys(touching.joints[n] for n in hit))
             self.message = f"stopped at t = {self.t:.6g} s: several contacts begin or end there at once ({names})"
+            if len(others) == 0:
+                self.message = (
+                    f"stopped at t = {self.t:.6g} s: several joints begin to slip or to stick at once ({names})"
+                )
             return
         shift = self._shift_of(n)
         self._keep_moment(shift)
-        if rubs:
-            self._turn(hit, shift)
+        if (touching.rigid[others] & ~touching.shut[others]).any():
+            self._collide(others.tolist(), shift)
         elif rigid:
-            strikes = bool((touching.rigid[hit] & ~touching.shut[hit]).any())
-            (self._collide if strikes else self._change)(hit.tolist(), shift)
+            self._end_modes(rubs, shift)
+            if len(others) and not self.message:
+                self._change(others.tolist(), shift)
         else:
             (self._end if touching.shut[n] else self._start)(n, shift)
-        if not rigid and not self.message:
+        if not self.message and (touching.rubbing is not None or not rigid):
             self._follow_forces(shift)
         if not self.message:
             self._keep_moment(shift)
@@ -253,9 +261,10 @@ class ContactMotion(Motion):
             self.switched += 1
             self._limit_steps()
 
-    def _are_one(self, hit: np.ndarray) -> bool:
-        """Whether rigid contacts all begin, or all change, and at one instant whatever the parameters."""
-        begins = self.touching.rigid[hit] & ~self.touching.shut[hit]
+    def _are_one(self, hit: np.ndarray, others: np.ndarray) -> bool:
+        """Whether all rows turn at one instant whatever the parameters, and rigid contacts, which are those that are
+        no joints that rub, all begin or all change."""
+        begins = self.touching.rigid[others] & ~self.touching.shut[others]
         shift = self._shift_of(int(hit[0]))
         alike = all(self._is_alike(shift, self._shift_of(row)) for row in hit.tolist())
         return alike and bool(begins.all() or not begins.any())
@@ -272,11 +281,9 @@ class ContactMotion(Motion):
 
     def _follow_forces(self, shift: np.ndarray) -> None:
         """Forces have jumped: rigid contacts that last, and joints that rub, may go on otherwise."""
-        those = np.flatnonzero(self.touching.shut & self.touching.rigid).tolist()
-        if those:
-            self._decide(those, shift)
-        if self._seen.rubbed is not None and not self.message:
-            self._settle(shift)
+        touching = self.touching
+        those = np.flatnonzero(touching.shut & touching.rigid).tolist()
+        self._settle(those, touching.slide.copy(), shift)
 
     def _shift_of(self, n: int) -> np.ndarray:
         """(k,) derivatives of the present instant, at which row n turns."""
@@ -329,7 +336,7 @@ class ContactMotion(Motion):
         touching, seen = self.touching, self._seen
         held = np.flatnonzero(touching.shut & touching.rigid).tolist()
         codes = dict.fromkeys(sorted([*hit, *held]), HITS)
-        blow = touching.struck(codes, self.t, self.z, self._rates.values[:, 0])
+        blow = self._struck(codes)
         if not self._is_sound(blow, hit, "the impact in {} has no solution, or several"):
             return
         hardest = max(blow.impulse.values())
@@ -341,6 +348,8 @@ class ContactMotion(Motion):
             touching.set(n, False)
             self._fastest[n] = 0.0
         self._go_on(blow.z, blow.along, shift)
+        if touching.rubbing is not None and not self.message:
+            self._rub(self._moving(), shift)
         if self.message:
             return
         leaving = touching.leaving(self.t, self.z)
@@ -348,22 +357,57 @@ class ContactMotion(Motion):
         if stay:
             self._press(stay, shift, STUCK * float(-seen.rate[hit].min()))
 
+    def _struck(self, codes: Mapping[int, float]) -> Blow:
+        """What rigid contacts do that hit, joints that rub in modes that agree with it."""
+        touching, before = self.touching, self._rates.values[:, 0]
+        if touching.rubbing is not None:
+            touching.rub(self._moving())
+        for tried in range(MOST_MODES + len(self._combinations())):
+            blow = touching.struck(codes, self.t, self.z, before)
+            if blow.agreed == 1.0 or blow.sound != 1.0:
+                break
+            few = blow.agreed == 0.0 and tried < MOST_MODES
+            touching.rub(blow.rubs if few else self._some_modes(blow.free, tried))
+        return blow if blow.agreed == 1.0 else blow._replace(sound=min(blow.sound, 0.0))
+
     def _press(self, those: list[int], shift: np.ndarray, slow: float) -> None:
         """Rigid contacts that were open press from here on, or let go; slow: slip [m/s] that is none."""
         for n, leaving in self.touching.leaving(self.t, self.z).items():
             if n in those:
                 self.touching.slide[n] = math.copysign(1.0, leaving.slip) if abs(leaving.slip) > slow else 0.0
-        self._decide(those, shift)
+        self._settle(those, self.touching.slide.copy(), shift)
 
-    def _decide(self, those: list[int], shift: np.ndarray) -> None:
-        """Rigid contacts last from here on, sticking or slipping, or let go."""
+    def _settle(self, those: list[int], slide: np.ndarray, shift: np.ndarray) -> None:
+        """Rigid contacts last from here on, sticking or slipping, or let go, and joints that rub have modes in which
+        they fit the forces at the present instant; slide: senses in which contacts slip."""
         touching = self.touching
-        blow = touching.struck(dict.fromkeys(those, DECIDES), self.t, self.z, self._rates.values[:, 0])
-        if not self._is_sound(blow, those, "whether {} slips, sticks or lets go has no answer, or several"):
-            return
+        for tried in range(MOST_MODES + len(self._combinations())):
+            blow = self._decide(those, slide, shift) if those else None
+            if self.message or touching.rubbing is None or self._seen.rubbed is None:
+                return
+            modes, known = touching.rubbing.settled(self._seen.rubbed), blow is None or blow.agreed == 1.0
+            if known and np.array_equal(modes, touching.rubbing.modes):
+                return
+            if blow is not None and (not known or tried >= MOST_MODES):
+                moving = self._moving()
+                modes = np.where(moving != 0.0, moving, self._some_modes(blow.free, tried))
+            self._rub(modes, shift)
+            if self.message:
+                return
+        self.message = f"stopped at t = {self.t:.6g} s: joints that rub stick and slip to and fro there without end"
+
+    def _decide(self, those: list[int], slide: np.ndarray, shift: np.ndarray) -> Blow:
+        """Rigid contacts last from here on or let go, in the present modes of joints that rub."""
+        touching = self.touching
         for n in those:
-            touching.set(n, blow.shut[n], blow.slide[n])
-        self._go_on(blow.z, blow.along, shift)
+            touching.slide[n] = slide[n]
+        blow = touching.struck(dict.fromkeys(those, DECIDES), self.t, self.z, self._rates.values[:, 0])
+        words = "whether {} slips, sticks or lets go has no answer, or several"
+        if self._is_sound(blow, those, words) and blow.agreed == 1.0:
+            for n in those:
+                touching.set(n, blow.shut[n], blow.slide[n])
+            self._go_on(blow.z, blow.along, shift)
+        return blow
 
     def _is_sound(self, blow: Blow, those: list[int], words: str) -> bool:
         """Whether what contacts do is known; a message if not, in words for their joints."""
@@ -389,7 +433,7 @@ class ContactMotion(Motion):
                 touching.set(n, True, 0.0 if touching.slide[n] != 0.0 else broken[n])
         those = np.flatnonzero(touching.shut & touching.rigid).tolist()
         if those:
-            self._decide(those, shift)
+            self._settle(those, touching.slide.copy(), shift)
         else:
             self._go_on(self.z, self._rates.values[:, 0], shift)
 
@@ -399,6 +443,7 @@ class ContactMotion(Motion):
         for array in (z, before):  # what is still stored is lost
             array[account + LOSS] += array[account + STORED]
             array[account + STORED] = 0.0
+            array[self.touching.states(n)] = 0.0
         self.touching.set(n, False)
         self.touching.released[n] = self.touching.are.by_force[n]
         self._open.pop(n, None)
@@ -419,20 +464,16 @@ class ContactMotion(Motion):
         self._seen = self._look(self.t, self.z, self._rates)
 
     # ---------------------------------------------------------------- joints that rub
-    def _turn(self, hit: np.ndarray, shift: np.ndarray) -> None:
+    def _end_modes(self, hit: np.ndarray, shift: np.ndarray) -> None:
         """Joints that rub come to the ends of their modes."""
-        seen, rubbing = self._seen, self.touching.rubbing
-        assert rubbing is not None, "some rub"
+        seen, touching = self._seen, self.touching
+        if len(hit) == 0:
+            return
+        assert touching.rubbing is not None, "some rub"
         assert seen.rubbed is not None
-        modes = rubbing.modes.copy()
-        for n in hit.tolist():
-            if not self._is_alike(shift, self._shift_of(n)):
-                names = ", ".join(dict.fromkeys(self.touching.joints[n] for n in hit))
-                self.message = (
-                    f"stopped at t = {self.t:.6g} s: several joints begin to slip or to stick at once ({names})"
-                )
-                return
-            modes[n - self.touching.contacts] = rubbing.ended(n - self.touching.contacts, seen.rubbed)
+        modes = touching.rubbing.modes.copy()
+        for n in (hit - touching.contacts).tolist():
+            modes[n] = touching.rubbing.ended(n, seen.rubbed)
         self._rub(modes, shift)
 
     def _begin_to_rub(self) -> None:
@@ -441,9 +482,26 @@ class ContactMotion(Motion):
         self._rates = self.functions.rates(self.t, self.z)
         self._seen = self._look(self.t, self.z, self._rates)
         if self._rates.sound and self._seen.rubbed is not None:
-            rates = np.array([joint.rate for joint in self._seen.rubbed.joints])
-            self._rub(np.sign(rates), np.zeros(self.z.shape[1] - 1))
+            still = np.zeros(self.z.shape[1] - 1)
+            self._rub(self._moving(), still)
+            if not self.message:
+                self._follow_forces(still)
             self._limit_steps()
+
+    def _moving(self) -> np.ndarray:
+        """(n,) the senses in which joints that rub slip at present; 0 of one that rests."""
+        rubbed = self._seen.rubbed
+        return np.sign(np.array([] if rubbed is None else [joint.rate for joint in rubbed.joints], dtype=float))
+
+    def _combinations(self) -> list[tuple[float, ...]]:
+        """All modes that joints that rub may have together, but those of one that rests at its limit."""
+        return list(itertools.product((0.0, 1.0, -1.0), repeat=len(self._moving())))
+
+    def _some_modes(self, free: np.ndarray, tried: int) -> np.ndarray:
+        """(n,) one combination of modes after the other; joints that are not free to choose keep theirs."""
+        assert self.touching.rubbing is not None, "some rub"
+        combinations = self._combinations()
+        return np.where(free, combinations[tried % len(combinations)], self.touching.rubbing.modes)
 
     def _rub(self, modes: np.ndarray, shift: np.ndarray) -> None:
         """Joints have other modes from the present instant on; shift: how this changes with the parameters."""
@@ -451,24 +509,6 @@ class ContactMotion(Motion):
         assert rubbing is not None, "some rub"
         self.touching.rub(modes)
         self._go_on(*rubbing.rested(self.t, self.z, before), shift)
-        if not self.message:
-            self._settle(shift)
-
-    def _settle(self, shift: np.ndarray) -> None:
-        """Change modes of joints that rub until they fit the forces at the present instant."""
-        for _ in range(MOST_MODES):
-            rubbing, rubbed = self.touching.rubbing, self._seen.rubbed
-            assert rubbing is not None, "some rub"
-            assert rubbed is not None
-            modes = rubbing.settled(rubbed)
-            if np.array_equal(modes, rubbing.modes):
-                return
-            before = self._rates.values[:, 0]
-            self.touching.rub(modes)
-            self._go_on(*rubbing.rested(self.t, self.z, before), shift)
-            if self.message:
-                return
-        self.message = f"stopped at t = {self.t:.6g} s: joints that rub stick and slip to and fro there without end"
 
     def _number(self, joint: str) -> int:
         return 1 + sum(met.joint == joint for met in self.met)

@@ -156,18 +156,22 @@ class Motion:
 
     # ---------------------------------------------------------------- switches
     def _cross(self) -> None:
-        """Pass the switch that the motion has come to."""
+        """Pass the switch that the motion has come to: by so much that rounding does not turn it back."""
         before, t, z = self._rates, self.t, self.z
-        ahead = BESIDE * TOO_SHORT * self.t_end
+        words, ahead = "touches its switch there and turns back", BESIDE * TOO_SHORT * self.t_end
         for _ in range(DOUBLINGS):
-            beyond = z + ahead * before.values
-            after = self.functions.rates(t + ahead, beyond)
+            after = self.functions.rates(t + ahead, z + ahead * before.values)
             if (after.sides != before.sides).any():
-                break
+                words = "switches back and forth there"
+                if self._pass(after, ahead) or self.message:
+                    return
             ahead *= 2.0
-        else:
-            self.message = f"stopped at t = {t:.6g} s: {self._names} touches its switch there and turns back"
-            return
+        self.message = f"stopped at t = {t:.6g} s: {self._names} {words}"
+
+    def _pass(self, after: Rates, ahead: float) -> bool:
+        """Go on beyond a switch, where the right-hand side is another; False, without a message, if that is on its
+        other side still, or again."""
+        before, t, z = self._rates, self.t, self.z
         shift = np.zeros(z.shape[1] - 1)  # a kink moves on nothing
         jump = before.values[:, 0] - after.values[:, 0]
         scale = max(np.abs(before.values[:, 0]).max(), np.abs(after.values[:, 0]).max())
@@ -175,24 +179,26 @@ class Motion:
         if jumps or self._bears():
             moved = self._shift(before, after)
             if moved is None and jumps:
-                return
+                return False
             if moved is None:
                 trouble, self.message = self.message, ""
             else:
                 shift = moved
-                beyond[:, 1:] += jump[:, None] * shift
+        beyond = z + ahead * before.values
+        beyond[:, 1:] += jump[:, None] * shift
+        beyond, sound = self.functions.projected(t + ahead, beyond)
+        rates = self.functions.rates(t + ahead, beyond)
+        if not sound or (rates.sides != after.sides).any():
+            return False
         self._keep_moment(shift)
-        self.z, sound = self.functions.projected(t + ahead, beyond)
-        self._rates = self.functions.rates(t + ahead, self.z)
-        if not sound or (self._rates.sides != after.sides).any():
-            self.message = f"stopped at t = {t:.6g} s: {self._names} switches back and forth there"
-            return
+        self.z, self._rates = beyond, rates
         self.t, self.h, self._near = t + ahead, RESTART * self.t_end, 0
         self.switched += 1
         if self._follow_switch(shift) and not self.message:
             self.message = trouble
         if not self.message:
             self._keep_moment(shift, t)
+        return True
 
     def _bears(self) -> bool:
         """Whether what rests may go on otherwise where forces jump."""

@@ -10,8 +10,11 @@ import numpy as np
 
 from rattle.analyses.straight_line.linearised import Columns, Linearised
 from rattle.analyses.straight_line.recorded_model import ContactFunctions, HeldFunctions
+from rattle.equations.state import state_layout
+from rattle.jit import layout as at
 from rattle.questions.sensitivity.functions import Functions
 from rattle.questions.sensitivity.rubbing import Rubbed, Rubbing
+from rattle.trace.graph import select
 from rattle.trace.lane_program import Compile
 
 
@@ -45,6 +48,9 @@ class Blow(NamedTuple):
     slide: dict[int, float]  # and slips in this sense; 0: it sticks
     impulse: dict[int, float]  # [N s or N m s]
     sound: float  # 1: there is one solution, 0: none or several; below: too many take part, see `recorded_rigid.Struck`
+    agreed: float  # of joints that rub, see there
+    rubs: np.ndarray  # (n,) their modes to be tried next in an impact
+    free: np.ndarray  # (n,) those that may have any
 
 
 class Leaving(NamedTuple):
@@ -89,11 +95,18 @@ class Touching:
         self.released = np.zeros(self.rows, dtype=bool)  # without force, but not apart yet
         self.begin()
 
+    def states(self, n: int) -> slice:
+        """Places in y of the states of the friction of contact n, which begin with it."""
+        table = self.are.table
+        first = state_layout(self.functions.model.system).states.start + table[n, at.FIRST_STATE]
+        return slice(first, first + table[n, at.STATES])
+
     def _hold(self, held: HeldFunctions, compile_function: Compile) -> None:
         """Functions of rigid contacts."""
         self._places = [n for n in held.numbers if n < self.contacts and self.are.rigid[n]]
         struck, graph = held.struck, self.functions.model.graph
-        told = [*struck.shut.values(), *struck.slide.values(), *struck.impulse.values(), struck.sound]
+        told = [*struck.shut.values(), *struck.slide.values(), *struck.impulse.values(), struck.sound, struck.agreed]
+        told += [*struck.rubs, *(select(flag, 1.0, 0.0) for flag in struck.free)]
         self._strike = Linearised(graph, [*struck.state, *told], compile_function)
         rows = [held.numbers.index(n) for n in self._places]
         columns = (held.calm, held.bend, held.faint, held.slip, held.tangent)
@@ -188,10 +201,14 @@ class Touching:
         self.functions.parameters = before
         ny, count = len(z), len(self._places)
         shut, slide, impulse = (
-            dict(zip(self._places, row, strict=True)) for row in values[ny:-1].reshape(3, count).tolist()
+            dict(zip(self._places, row, strict=True))
+            for row in values[ny : ny + 3 * count].reshape(3, count).tolist()
         )
+        sound, agreed, *joints = values[ny + 3 * count :].tolist()
+        rubs, free = np.array(joints).reshape(2, -1)
         after = np.column_stack([values[:ny], slopes[:ny, :-1]])
-        return Blow(after, slopes[:ny, -1], {n: x > 0.5 for n, x in shut.items()}, slide, impulse, float(values[-1]))
+        lasts = {n: x > 0.5 for n, x in shut.items()}
+        return Blow(after, slopes[:ny, -1], lasts, slide, impulse, sound, agreed, rubs, free > 0.5)
 
 
 def _followed(seen: Watched, left: np.ndarray, by_left: np.ndarray, left_in_time: np.ndarray) -> Watched:
