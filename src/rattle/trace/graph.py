@@ -422,6 +422,7 @@ SIMPLER: dict[str, Callable[..., Operand | None]] = {
     "add": _simple_sum, "sub": _simple_difference, "mul": _simple_product, "div": _simple_quotient,
     "neg": lambda graph, x: _negated(graph, x) if x.op == "neg" else None,
     "not": lambda graph, x: _negated(graph, x) if x.op == "not" else None,
+    "copysign": lambda graph, size, sign: 0.0 if _is(size, 0.0) else None,
     "both": _simple_flag("both"), "either": _simple_flag("either"), "select": _simple_choice,
 }  # fmt: skip
 

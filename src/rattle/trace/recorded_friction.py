@@ -143,17 +143,17 @@ class RecordedFriction:
         first, before = len(self.graph), tau
         for _ in range(ROUNDS):
             before, (tau, converged) = tau, self.improved(self.shares(m, free, [], tau, [], LASTING), [], tau)
-        self._leave_out(range(first, len(self.graph)), tau, before)
+        self.leave_out(range(first, len(self.graph)), tau, before)
         self._copies.of(assume.python)(converged)
         self.spread(m, tau)
 
-    def _leave_out(self, rounds: range, tau: Sequence[Operand], before: Sequence[Operand]) -> None:
+    def leave_out(self, rounds: range, forces: Sequence[Operand], before: Sequence[Operand]) -> None:
         """Note what only rounds before the last one have done: on which side of a switch an estimate is does not show.
 
-        tau: of the last round; before: of the one before it.
+        forces: of the last round; before: of the one before it.
         """
         told = {self.graph.place(x) for x in before if isinstance(x, Symbol)}
-        ahead = [self.graph.place(x) for x in tau if isinstance(x, Symbol)]
+        ahead = [self.graph.place(x) for x in forces if isinstance(x, Symbol)]
         while ahead:
             place = ahead.pop()
             if place not in told:
@@ -481,7 +481,8 @@ def _settled(mode: Operand, joint: Joint, over: Flag) -> Operand:
 def beyond(limit_left: Operand, force: Operand) -> Operand:
     """How far |force| is above its limit, as in `dry_friction_modes.violation`; 0 if it is not."""
     most = limit_left + abs(force)
-    return select(limit_left < -OVER * most, -limit_left / (abs(force) + most), 0.0)
+    violates = limit_left < -OVER * most
+    return select(violates, -limit_left / select(violates, abs(force) + most, 1.0), 0.0)
 
 
 def _eliminated(rows: list[list[Operand]], doubts: Sequence[Operand]) -> tuple[list[list[Operand]], Flag]:

@@ -282,11 +282,14 @@ class RigidContacts:
         tau: list[Operand] = [0.0] * len(joints.rates)
         f: list[list[Operand]] = [[0.0] * w for _ in slots]
         converged: Flag = True
+        start, before = len(self.graph), list[Operand]()
         for _ in range(1 if what == KEPT else ROUNDS):  # it is linear
+            before = [*tau, *(x for pair in f for x in pair)]
             shares = self.rubbing.shares(m, joints, pulls, tau, [x for pair in f for x in pair], what)
             problem = self._with_shares(g, right, pulls, shares)
             f = forces(problem)
             tau, converged = self.rubbing.improved(shares, [x for pair in f for x in pair], tau)
+        self.rubbing.leave_out(range(start, len(self.graph)), [*tau, *(x for pair in f for x in pair)], before)
         return _Solution(f, tau, converged, problem)
 
     def _with_shares(

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -38,6 +38,7 @@ ALMOST = 0.1  # share of the gap at both ends of a step by which its least value
 TRIES = 60  # of a landing by interpolation, before steps are halved
 PEAK_ROUNDS = 40  # of the search for a largest force, by halves
 MOST_MODES = 30  # of joints that rub, one after the other at one instant
+MOST_CHANGES = 12  # of them beside rigid contacts, before all are tried
 CROWDED = "more rigid contacts take part at one instant than derivatives follow"
 UNMOVED = 1e-10  # share of the run by which a change of a parameter, as large as it is, moves an instant by rounding
 NOT_OPEN = 1e-12  # [m or rad] by which a contact may be shut at the start
@@ -360,15 +361,19 @@ class ContactMotion(Motion):
     def _struck(self, codes: Mapping[int, float]) -> Blow:
         """What rigid contacts do that hit, joints that rub in modes that agree with it."""
         touching, before = self.touching, self._rates.values[:, 0]
-        if touching.rubbing is not None:
-            touching.rub(self._moving())
-        for tried in range(MOST_MODES + len(self._combinations())):
+        if touching.rubbing is None:
+            return touching.struck(codes, self.t, self.z, before)
+        touching.rub(self._moving())
+        others, changes = self._combinations(), 0
+        while True:
             blow = touching.struck(codes, self.t, self.z, before)
             if blow.agreed == 1.0 or blow.sound != 1.0:
-                break
-            few = blow.agreed == 0.0 and tried < MOST_MODES
-            touching.rub(blow.rubs if few else self._some_modes(blow.free, tried))
-        return blow if blow.agreed == 1.0 else blow._replace(sound=min(blow.sound, 0.0))
+                return blow
+            changes += 1
+            modes = blow.rubs if blow.agreed == 0.0 and changes < MOST_CHANGES else next(others, None)
+            if modes is None:
+                return blow._replace(sound=0.0)
+            touching.rub(np.where(blow.free, modes, touching.rubbing.modes))
 
     def _press(self, those: list[int], shift: np.ndarray, slow: float) -> None:
         """Rigid contacts that were open press from here on, or let go; slow: slip [m/s] that is none."""
@@ -381,16 +386,20 @@ class ContactMotion(Motion):
         """Rigid contacts last from here on, sticking or slipping, or let go, and joints that rub have modes in which
         they fit the forces at the present instant; slide: senses in which contacts slip."""
         touching = self.touching
-        for tried in range(MOST_MODES + len(self._combinations())):
+        others, changes = self._combinations(), 0
+        while True:
             blow = self._decide(those, slide, shift) if those else None
             if self.message or touching.rubbing is None or self._seen.rubbed is None:
                 return
             modes, known = touching.rubbing.settled(self._seen.rubbed), blow is None or blow.agreed == 1.0
             if known and np.array_equal(modes, touching.rubbing.modes):
                 return
-            if blow is not None and (not known or tried >= MOST_MODES):
-                moving = self._moving()
-                modes = np.where(moving != 0.0, moving, self._some_modes(blow.free, tried))
+            changes += 1
+            if blow is not None and (not known or changes >= MOST_CHANGES):
+                moving, other = self._moving(), next(others, None)
+                modes = None if other is None else np.where(moving != 0.0, moving, np.where(blow.free, other, modes))
+            if modes is None or (blow is None and changes >= MOST_MODES):
+                break
             self._rub(modes, shift)
             if self.message:
                 return
@@ -493,15 +502,9 @@ class ContactMotion(Motion):
         rubbed = self._seen.rubbed
         return np.sign(np.array([] if rubbed is None else [joint.rate for joint in rubbed.joints], dtype=float))
 
-    def _combinations(self) -> list[tuple[float, ...]]:
-        """All modes that joints that rub may have together, but those of one that rests at its limit."""
-        return list(itertools.product((0.0, 1.0, -1.0), repeat=len(self._moving())))
-
-    def _some_modes(self, free: np.ndarray, tried: int) -> np.ndarray:
-        """(n,) one combination of modes after the other; joints that are not free to choose keep theirs."""
-        assert self.touching.rubbing is not None, "some rub"
-        combinations = self._combinations()
-        return np.where(free, combinations[tried % len(combinations)], self.touching.rubbing.modes)
+    def _combinations(self) -> Iterator[np.ndarray]:
+        """All modes (n,) that joints that rub may have together, but those of one that rests at its limit."""
+        return (np.array(modes) for modes in itertools.product((0.0, 1.0, -1.0), repeat=len(self._moving())))
 
     def _rub(self, modes: np.ndarray, shift: np.ndarray) -> None:
         """Joints have other modes from the present instant on; shift: how this changes with the parameters."""

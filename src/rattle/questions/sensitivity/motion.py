@@ -34,6 +34,7 @@ TOO_SHORT = 1e-13  # share of the run below which steps do not get shorter
 ALIKE = 1e-9  # share of the right-hand side by which both sides of a switch may differ and yet be the same
 BESIDE = 4.0  # the other side of a switch is looked for so many shortest steps further, then twice as many ...
 DOUBLINGS = 20
+DRIFTS = 8.0  # by so much more than in half the way to it the right-hand side changes beyond a jump
 INSIDE, ROWS = 8, 1000  # parts of a step at whose ends curves are kept, at least, and parts of the run
 NEAR = 3  # a step is halved where a switch lies inside: it is met within two such steps
 SAME = 1e-6  # share by which the instants of two switches may depend differently on a parameter and yet be one
@@ -159,23 +160,26 @@ class Motion:
         """Pass the switch that the motion has come to: by so much that rounding does not turn it back."""
         before, t, z = self._rates, self.t, self.z
         words, ahead = "touches its switch there and turns back", BESIDE * TOO_SHORT * self.t_end
+        drift = 0.0  # of the right-hand side on this side of the switch
         for _ in range(DOUBLINGS):
             after = self.functions.rates(t + ahead, z + ahead * before.values)
             if (after.sides != before.sides).any():
                 words = "switches back and forth there"
-                if self._pass(after, ahead) or self.message:
+                if self._pass(after, ahead, drift) or self.message:
                     return
+            else:
+                drift = float(np.abs(after.values[:, 0] - before.values[:, 0]).max())
             ahead *= 2.0
         self.message = f"stopped at t = {t:.6g} s: {self._names} {words}"
 
-    def _pass(self, after: Rates, ahead: float) -> bool:
+    def _pass(self, after: Rates, ahead: float, drift: float) -> bool:
         """Go on beyond a switch, where the right-hand side is another; False, without a message, if that is on its
-        other side still, or again."""
+        other side still, or again; drift: by how much it has changed before."""
         before, t, z = self._rates, self.t, self.z
         shift = np.zeros(z.shape[1] - 1)  # a kink moves on nothing
         jump = before.values[:, 0] - after.values[:, 0]
         scale = max(np.abs(before.values[:, 0]).max(), np.abs(after.values[:, 0]).max())
-        jumps, trouble = bool(np.abs(jump).max() > ALIKE * scale), ""
+        jumps, trouble = bool(np.abs(jump).max() > max(ALIKE * scale, DRIFTS * drift)), ""
         if jumps or self._bears():
             moved = self._shift(before, after)
             if moved is None and jumps:
