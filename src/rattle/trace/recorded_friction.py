@@ -206,12 +206,14 @@ class RecordedFriction:
     @staticmethod
     def improved(shares: Shares, forces: Sequence[Operand], tau: Sequence[Operand]) -> tuple[list[Operand], Flag]:
         """tau by its shares and the forces of contacts; whether it stays the same, and friction does not lock."""
-        new = [
-            alone + summed(by * f for by, f in zip(each, forces, strict=True))
+        terms = [
+            [alone, *(by * f for by, f in zip(each, forces, strict=True))]
             for alone, each in zip(shares.alone, shares.by, strict=True)
         ]
+        new = [x[0] + summed(x[1:]) for x in terms]
         change = summed(abs(x - y) for x, y in zip(new, tau, strict=True))
-        return new, (change <= CONVERGED * summed(abs(x) for x in new)) & shares.definite
+        rounded = FAINT * summed(abs(x) for each in terms if len(each) > 1 for x in each)
+        return new, (change <= CONVERGED * summed(abs(x) for x in new) + rounded) & shares.definite
 
     def _slipping(
         self, m: SimpleNamespace, n: int, free: Free, pulls: Sequence[Pull], tau: Sequence[Operand],
