@@ -46,6 +46,7 @@ AT_ONCE = 1e-12  # share of the time within which two events are one
 MOST_TRIED = 8  # joints at rest up to which all combinations are tried
 OVER = 1e-11  # share of its limit by which a friction force may exceed it: more than its solution leaves
 AGAINST = 1e-12  # share of the effect of a friction force below which an acceleration against its slip is rounding
+OF_OTHERS = 1e-14  # share of the effect of all other forces likewise
 AGAINST_LOOSE = 1e-6  # the same where joints have just been set free: their accelerations may be rounding
 
 
@@ -127,11 +128,17 @@ def violation(m, n, loose):
 
 @compiled
 def in_doubt(m, n, loose):
-    """Acceleration of joint n that may be rounding, by those that friction causes."""
-    total = 0.0
+    """Acceleration of joint n that may be rounding, by those that friction and all other forces cause.
+
+    One that a rigid contact holds may bear nothing, and have no friction.
+    """
+    total, others = 0.0, 0.0
     for o in range(m.dry_memory.shape[0]):
         total += abs(mobility(m, n, o) * m.dry_memory[o, at.DRY_FORCE])
-    return (AGAINST if loose == -1 else AGAINST_LOOSE) * total
+    for i in range(1, m.force.shape[0]):
+        for k in range(3):
+            others += abs(m.dry_response[n, 3 * i + k] * m.force[i, k])
+    return (AGAINST if loose == -1 else AGAINST_LOOSE) * total + OF_OTHERS * others
 
 
 @compiled

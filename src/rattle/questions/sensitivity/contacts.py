@@ -24,6 +24,7 @@ import numpy as np
 
 from rattle.analyses.straight_line.lane_model import pulsates
 from rattle.equations.state import LOSS, STORED, state_layout
+from rattle.jit import layout as at
 from rattle.questions.sensitivity.functions import Functions, Rates
 from rattle.questions.sensitivity.motion import BESIDE, RESTART, SAME, TOO_SHORT, Motion
 from rattle.questions.sensitivity.step import Step
@@ -41,6 +42,7 @@ MOST_MODES = 30  # of joints that rub, one after the other at one instant
 MOST_CHANGES = 12  # of them beside rigid contacts, before all are tried
 CROWDED = "more rigid contacts take part at one instant than derivatives follow"
 UNMOVED = 1e-10  # share of the run by which a change of a parameter, as large as it is, moves an instant by rounding
+ROUNDED = 2e-15  # share of the size of the mechanism by which a gap may be rounding, or of 1 rad
 NOT_OPEN = 1e-12  # [m or rad] by which a contact may be shut at the start
 
 
@@ -72,6 +74,10 @@ class ContactMotion(Motion):
         self._open: dict[int, Met] = {}  # contacts that last
         self._pulsates = pulsates(functions.model.system.model)
         self._tries = 0
+        size = functions.model.system.extent
+        angular = touching.functions.model.system.arrays["lever"][:, at.ANGULAR] > 0.0
+        self._slight = np.zeros(touching.rows)  # sizes of gaps that may be rounding [m or rad]
+        self._slight[: touching.contacts] = ROUNDED * np.where(angular, 1.0, size)
 
     def _begin(self) -> None:
         if self.touching.rubbing is not None:
@@ -167,6 +173,8 @@ class ContactMotion(Motion):
         value, rate = after.gap[n], after.rate[n]
         if self._ends_by_force(n, after):
             value, rate = after.normal[n], after.normal_in_time[n]
+        elif abs(value) <= self._slight[n]:
+            return 0.0
         return float(abs(value / rate)) if rate != 0.0 else 0.0
 
     def _land(self, hit: np.ndarray, before: Watched, after: Watched, h: float) -> None:
@@ -397,8 +405,10 @@ class ContactMotion(Motion):
             changes += 1
             if blow is not None and (not known or changes >= MOST_CHANGES):
                 moving, other = self._moving(), next(others, None)
-                modes = None if other is None else np.where(moving != 0.0, moving, np.where(blow.free, other, modes))
-            if modes is None or (blow is None and changes >= MOST_MODES):
+                if other is None:
+                    break
+                modes = np.where(moving != 0.0, moving, np.where(blow.free, other, modes))
+            if blow is None and changes >= MOST_MODES:
                 break
             self._rub(modes, shift)
             if self.message:
@@ -500,7 +510,8 @@ class ContactMotion(Motion):
     def _moving(self) -> np.ndarray:
         """(n,) the senses in which joints that rub slip at present; 0 of one that rests."""
         rubbed = self._seen.rubbed
-        return np.sign(np.array([] if rubbed is None else [joint.rate for joint in rubbed.joints], dtype=float))
+        rates = [] if rubbed is None else [float(joint.rate) for joint in rubbed.joints]
+        return np.asarray(np.sign(rates), dtype=float)
 
     def _combinations(self) -> Iterator[np.ndarray]:
         """All modes (n,) that joints that rub may have together, but those of one that rests at its limit."""

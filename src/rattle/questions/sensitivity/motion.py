@@ -34,6 +34,7 @@ TOO_SHORT = 1e-13  # share of the run below which steps do not get shorter
 ALIKE = 1e-9  # share of the right-hand side by which both sides of a switch may differ and yet be the same
 BESIDE = 4.0  # the other side of a switch is looked for so many shortest steps further, then twice as many ...
 DOUBLINGS = 20
+CRAWLS, MOST_CRAWLS = 1e-11, 2000  # share of the run that a step makes no way by, and such tries in a row
 DRIFTS = 8.0  # by so much more than in half the way to it the right-hand side changes beyond a jump
 INSIDE, ROWS = 8, 1000  # parts of a step at whose ends curves are kept, at least, and parts of the run
 NEAR = 3  # a step is halved where a switch lies inside: it is met within two such steps
@@ -70,6 +71,7 @@ class Motion:
         self.wall = 0.0
         self._lifting = weight(system)[0]  # [J]
         self._longest = math.inf  # step that shows all that happens [s]
+        self._crawls = 0  # steps one after the other that make no way
         self._near = 0  # steps that must not become longer, because a switch was found ahead
         self._turnover = np.array([0.0, math.inf, -math.inf, 0.0])  # kinetic, least and most potential, work [J]
         self._names = ", ".join(sorted({switch.name for switch in system.switches})) or "an expression"
@@ -124,6 +126,10 @@ class Motion:
         if (rates.sides != self._rates.sides).any():
             self._shorten("sides", h, 0.5)
             return
+        self._crawls = self._crawls + 1 if h <= CRAWLS * self.t_end else 0
+        if self._crawls > MOST_CRAWLS:
+            self.message = f"stopped at t = {self.t:.6g} s: {NO_WAY}"
+            return
         if self._accept(step, t_new, projected, rates):
             self.h = h if self._near else longer(h, error, POWER, SAFETY)
             self._near = max(0, self._near - 1)
@@ -152,7 +158,7 @@ class Motion:
         if self._near:
             self._cross()
         else:
-            why = UNSOUND if trouble == "sound" else "steps became too short: the motion or its derivatives diverge"
+            why = UNSOUND if trouble == "sound" else NO_WAY
             self.message = f"stopped at t = {self.t:.6g} s: {why}"
 
     # ---------------------------------------------------------------- switches
@@ -294,6 +300,7 @@ class Motion:
         self.history.append((self.t, size.max(axis=0, initial=0.0)))
 
 
+NO_WAY = "steps became too short: the motion or its derivatives diverge"
 UNSOUND = "the mechanism comes next to a singular position, or a load or expression has no finite value or derivative"
 
 
