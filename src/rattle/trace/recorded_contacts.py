@@ -107,10 +107,7 @@ class RecordedContacts:
 
     def _unable_kinds(self, entry: np.ndarray) -> list[tuple[bool, str]]:
         """What may keep a contact from being recorded, and why, whether it is compliant or rigid; {} is its joint."""
-        clutch = bool(entry[at.LEVEL] or entry[at.TOOTHED])
-        return [
-            (clutch and not self.lanes, "a clutch ({}) has no derivatives"),
-        ]
+        return [(bool(entry[at.TOOTHED]) and not self.lanes, "a ratchet ({}) has no derivatives")]
 
     def _unable_impacts(self, entry: np.ndarray, values: np.ndarray) -> list[tuple[bool, str]]:
         """The same of a rigid one."""

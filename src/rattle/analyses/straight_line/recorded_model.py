@@ -238,7 +238,8 @@ def _record_contacts(
                 switches = met.switches.at([1.0, *rate], lambda: recording.driven(workspace, t))
             strain = [met.strain(workspace, n) for n in range(len(met))]
             return workspace, _held(met, workspace, y, switches), strain
-        return workspace, _held(met, workspace, y, []) if met.rigid.any() else None, []
+        by_rate = (met.table[:, at.LEVEL] == 1).any()
+        return workspace, _held(met, workspace, y, []) if met.rigid.any() or by_rate else None, []
 
     (workspace, held, strain), _ = recording.guarded(measured)
     kept = (at.GAP, at.DGAP, at.NORMAL, at.ACROSS)

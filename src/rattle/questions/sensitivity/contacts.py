@@ -86,15 +86,18 @@ class ContactMotion(Motion):
         if self.message:
             return
         self._seen = self._look(self.t, self.z, self._rates)
+        self._engage(np.zeros(self.z.shape[1] - 1))
         are, count = self.touching.are, self.touching.contacts
         shut = np.flatnonzero(self._seen.gap[:count] <= np.where(are.rigid, NOT_OPEN, -NOT_OPEN))
         shut = shut[(self._seen.gap[shut] < -NOT_OPEN) | (self._seen.rate[shut] <= 0.0)]
+        shut = shut[~self.touching.shut[shut]]
         if len(shut) and self._rests(shut):
             self._press(shut.tolist(), np.zeros(self.z.shape[1] - 1), 0.0)
             self._limit_steps()
         elif len(shut):
+            does = "the clutch {} drives" if self.touching.level[shut[0]] else "bodies touch in {}"
             self.message = (
-                f"bodies touch in {are.joints[shut[0]]} at the start already, from which derivatives cannot follow; let"
+                f"{does.format(are.joints[shut[0]])} at the start already, from which derivatives cannot follow; let"
                 " them start apart"
             )
 
@@ -103,7 +106,8 @@ class ContactMotion(Motion):
         if not self.touching.rigid[shut].all() or (self._seen.gap[shut] < -NOT_OPEN).any():
             return False
         leaving = self.touching.leaving(self.t, self.z)
-        moved = max(np.abs(self._seen.by_gap[shut]).max(initial=0.0), np.abs(self._seen.by_rate[shut]).max(initial=0.0))
+        gaps = shut[~self.touching.level[shut]]
+        moved = max(np.abs(self._seen.by_gap[shut]).max(initial=0.0), np.abs(self._seen.by_rate[gaps]).max(initial=0.0))
         return moved <= NOT_OPEN and all(leaving[n].rise == 0.0 for n in shut.tolist())
 
     def _look(self, t: float, z: np.ndarray, rates: Rates) -> Watched:
@@ -135,10 +139,10 @@ class ContactMotion(Motion):
     def _with_others(self, hit: np.ndarray) -> np.ndarray:
         """Rigid contacts that hit at the present instant: those that come to their walls but for rounding, too."""
         touching, seen = self.touching, self._seen
-        if not (touching.rigid[hit] & ~touching.shut[hit]).all():
+        if not (touching.rigid[hit] & ~touching.shut[hit] & ~touching.level[hit]).all():
             return hit
         leaving = touching.leaving(self.t, self.z)
-        others = touching.rigid & ~touching.shut & ~touching.released & (np.abs(seen.gap) <= NOT_OPEN)
+        others = touching.rigid & ~touching.shut & ~touching.released & (np.abs(seen.gap) <= NOT_OPEN) & ~touching.level
         close = [n for n in np.flatnonzero(others).tolist() if leaving[n].rise < 0.0]
         return np.union1d(hit, close).astype(int)
 
@@ -229,6 +233,7 @@ class ContactMotion(Motion):
     def _let_go(self, after: Watched) -> None:
         """Contacts whose force has ended are open once their gap is."""
         self.touching.released &= ~((after.gap > 0.0) & (after.rate > 0.0))
+        self.touching.released &= ~(self.touching.level & (after.gap > NOT_OPEN))
         again = np.flatnonzero(self.touching.released & ~self.touching.rigid & (after.rate < 0.0))
         if len(again):
             joint = self.touching.joints[again[0]]
@@ -254,7 +259,7 @@ class ContactMotion(Motion):
             return
         shift = self._shift_of(n)
         self._keep_moment(shift)
-        if (touching.rigid[others] & ~touching.shut[others]).any():
+        if (touching.rigid[others] & ~touching.shut[others] & ~touching.level[others]).any():
             self._collide(others.tolist(), shift)
         elif rigid:
             self._end_modes(rubs, shift)
@@ -316,7 +321,7 @@ class ContactMotion(Motion):
 
     def _note_start(self, n: int, shift: np.ndarray, speed: float, by_speed: np.ndarray, closes: bool = True) -> Met:
         """Note that contact n begins; closes: its gap does."""
-        joint = self.touching.joints[n]
+        joint, closes = self.touching.joints[n], closes and not self.touching.level[n]
         if closes and speed < GRAZES * self._fastest[n] and self.grazed == math.inf:
             self.grazed = self.t
             self.notes.append(
@@ -331,7 +336,9 @@ class ContactMotion(Motion):
     def _start(self, n: int, shift: np.ndarray) -> None:
         """A compliant contact begins."""
         seen, before = self._seen, self._rates.values[:, 0]
-        speed, by_speed = -float(seen.rate[n]), -seen.by_rate[n] - seen.rate_in_time[n] * shift
+        speed, by_speed = 0.0, np.zeros_like(shift)
+        if not self.touching.level[n]:
+            speed, by_speed = -float(seen.rate[n]), -seen.by_rate[n] - seen.rate_in_time[n] * shift
         met = self._open[n] = self._note_start(n, shift, speed, by_speed)
         self.touching.set(n, True, speed, by_speed)
         met.peak, met.by_peak = 0.0, np.zeros_like(shift)
@@ -343,8 +350,9 @@ class ContactMotion(Motion):
     def _collide(self, hit: list[int], shift: np.ndarray) -> None:
         """An impact of rigid contacts, in which those that last take part."""
         touching, seen = self.touching, self._seen
-        held = np.flatnonzero(touching.shut & touching.rigid).tolist()
-        codes = dict.fromkeys(sorted([*hit, *held]), HITS)
+        held = np.flatnonzero(touching.rigid & (touching.shut | touching.level)).tolist()  # rates of clutches jump
+        drove = touching.shut & touching.level
+        codes = dict.fromkeys(sorted({*hit, *held}), HITS)
         blow = self._struck(codes)
         if not self._is_sound(blow, hit, "the impact in {} has no solution, or several"):
             return
@@ -365,6 +373,25 @@ class ContactMotion(Motion):
         stay = [n for n in codes if leaving[n].low(LOW * touching.are.scale[n])]
         if stay:
             self._press(stay, shift, STUCK * float(-seen.rate[hit].min()))
+        if not self.message:
+            self._note_locks(drove, shift)
+            self._engage(shift)
+
+    def _note_locks(self, before: np.ndarray, shift: np.ndarray) -> None:
+        """Note that clutches without torque before drive; before: (n,) those that did."""
+        touching = self.touching
+        for n in np.flatnonzero(touching.shut & touching.level & touching.rigid & ~before).tolist():
+            self._note_start(n, shift, 0.0, np.zeros_like(shift))
+
+    def _engage(self, shift: np.ndarray) -> None:
+        """Elastic and viscous clutches drive, or let go, whose rates have jumped, or are what they are at the start."""
+        touching, seen = self.touching, self._seen
+        soft = touching.level & ~touching.rigid
+        behind = (seen.gap < -NOT_OPEN) | ((np.abs(seen.gap) <= NOT_OPEN) & (seen.rate < 0.0))
+        for n in np.flatnonzero(soft & ~touching.shut & behind).tolist():
+            self._start(n, shift)
+        for n in np.flatnonzero(soft & touching.shut & (seen.gap > NOT_OPEN) & (seen.normal < 0.0)).tolist():
+            self._end(n, shift)
 
     def _struck(self, codes: Mapping[int, float]) -> Blow:
         """What rigid contacts do that hit, joints that rub in modes that agree with it."""
@@ -439,10 +466,13 @@ class ContactMotion(Motion):
         return blow.sound == 1.0
 
     def _change(self, hit: list[int], shift: np.ndarray) -> None:
-        """Rigid contacts let go, begin to slip or cease to."""
+        """Rigid contacts let go, begin to slip or cease to; clutches may lock."""
         touching = self.touching
-        broken = touching.broken(self.t, self.z)
+        broken, drove = touching.broken(self.t, self.z), touching.shut & touching.level
+        locks = [row for row in hit if touching.level[row] and not touching.shut[row]]
         for row in hit:
+            if row in locks:
+                continue
             if row < touching.contacts:
                 self._fastest[row] = abs(self._seen.rate[row])
                 touching.set(row, False)
@@ -450,11 +480,12 @@ class ContactMotion(Motion):
             else:
                 n = int(touching.rough[row - touching.slides])
                 touching.set(n, True, 0.0 if touching.slide[n] != 0.0 else broken[n])
-        those = np.flatnonzero(touching.shut & touching.rigid).tolist()
+        those = sorted([*np.flatnonzero(touching.shut & touching.rigid).tolist(), *locks])
         if those:
             self._settle(those, touching.slide.copy(), shift)
         else:
             self._go_on(self.z, self._rates.values[:, 0], shift)
+        self._note_locks(drove, shift)
 
     def _end(self, n: int, shift: np.ndarray) -> None:
         z, before = self.z.copy(), self._rates.values[:, 0].copy()

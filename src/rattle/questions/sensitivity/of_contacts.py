@@ -96,7 +96,14 @@ def _begins(run: ContactMotion, alone: Result) -> list[Event]:
     """Begins of contacts in a run without derivatives; a rigid one that stays shut has begun by an impact."""
     are = run.touching.are
     rigid = {joint for joint, is_rigid in zip(are.joints, are.rigid, strict=True) if is_rigid}
-    return [e for e in alone.events if e.kind == "impact" or (e.kind == "contact" and e.joint not in rigid)]
+    locks = {(e.joint, e.t) for e in alone.events if e.kind == "lock"}
+    return [
+        e
+        for e in alone.events
+        if (e.kind == "impact" and (e.joint, e.t) not in locks)
+        or e.kind == "lock"
+        or (e.kind == "contact" and e.joint not in rigid)
+    ]
 
 
 def _apart(event: Event, met: Met) -> float:

@@ -85,8 +85,13 @@ class Touching:
         self.joints = (*self.are.joints, *joints, *(self.are.joints[n] for n in self.rough))
         more = np.zeros(self.rows - self.contacts, dtype=bool)
         self.rigid, self.by_force = np.append(self.are.rigid, more), np.append(self.are.by_force, more)
-        watched = [*contacts.gap, *contacts.rate, *contacts.normal]
-        if contacts.held is not None:
+        self.level = np.append(self.are.table[:, at.LEVEL] == 1, more)  # clutches, which have a rate in place of a gap
+        gaps, rates = list(contacts.gap), list(contacts.rate)
+        for n in np.flatnonzero(self.level).tolist():
+            assert contacts.held is not None, "clutches end where their torque does"
+            gaps[n], rates[n] = rates[n], contacts.held.bend[contacts.held.numbers.index(n)]
+        watched = [*gaps, *rates, *contacts.normal]
+        if contacts.held is not None and self.rigid.any():
             self._hold(contacts.held, compile_function)
             watched += [contacts.reserve[n] for n in self.rough.tolist()]
         self._watch = Linearised(graph, watched, compile_function)
