@@ -115,11 +115,16 @@ class RecordedContacts:
         law = values[first + at.RESTITUTION_LAW]
         limited = bool(entry[at.LEVEL]) and not _is(values[first + at.MOST_TORQUE], math.inf)
         rubs, takes_part = friction is not None and bool(friction.rubs), friction is not None and friction.takes_part
-        beside = "impacts ({}) beside dry friction of joints run side by side with restitution_law"
+        run, runs, do = (
+            ("run side by side", "does not run side by side", "do not run side by side")
+            if self.lanes
+            else ("have derivatives", "has no derivatives", "have no derivatives")
+        )
+        beside = f"impacts ({{}}) beside dry friction of joints {run} with restitution_law"
         return [
-            (rubs and clutch, "a clutch ({}) beside joints that rub does not run side by side"),
+            (rubs and clutch and self.lanes, f"a clutch ({{}}) beside joints that rub {runs}"),
             (takes_part and not _is(law, NEWTON), f'{beside} = "newton" only'),
-            (limited, "clutches with max_torque ({}) do not run side by side"),
+            (limited, f"clutches with max_torque ({{}}) {do}"),
         ]
 
     def __len__(self) -> int:

@@ -163,14 +163,15 @@ class ContactMotion(Motion):
                 (touching.slide[rough] == 0.0) | (before.slips != 0.0)[rough] | (after.slips != 0.0)[rough]
             )
         begins = ~touching.shut & ~touching.released & closes
-        opens = touching.shut & ~touching.rigid & (after.gap > 0.0) & ((before.gap < 0.0) | (after.rate > 0.0))
+        opens = touching.shut & ~(touching.rigid | touching.level) & (after.gap > 0.0) & ((before.gap < 0.0) | (after.rate > 0.0))
         pulls = touching.shut & by_force & (after.normal < -slack) & (after.normal_in_time < 0.0)
         return np.flatnonzero(begins | opens | pulls)
 
     def _ends_by_force(self, n: int, after: Watched) -> bool:
         """Whether what contact n waits for is the end of its force, not that of its gap: that comes first if any."""
         touching = self.touching
-        return bool(touching.shut[n] and touching.by_force[n] and (touching.rigid[n] or after.gap[n] <= 0.0))
+        by_force_alone = touching.rigid[n] or touching.level[n]
+        return bool(touching.shut[n] and touching.by_force[n] and (by_force_alone or after.gap[n] <= 0.0))
 
     def _overshoot(self, n: int, after: Watched) -> float:
         """By how much the end of a step is beyond the begin or the end of a contact [s]."""
