@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -92,7 +92,9 @@ class ContactMotion(Motion):
         shut = shut[(self._seen.gap[shut] < -NOT_OPEN) | (self._seen.rate[shut] <= 0.0)]
         shut = shut[~self.touching.shut[shut]]
         if len(shut) and self._rests(shut):
-            self._press(shut.tolist(), np.zeros(self.z.shape[1] - 1), 0.0)
+            still = np.zeros(self.z.shape[1] - 1)
+            self._press(shut.tolist(), still, 0.0)
+            self._note_locks(np.zeros(self.touching.rows, dtype=bool), still)
             self._limit_steps()
         elif len(shut):
             does = "the clutch {} drives" if self.touching.level[shut[0]] else "bodies touch in {}"
@@ -358,8 +360,9 @@ class ContactMotion(Motion):
         if not self._is_sound(blow, hit, "the impact in {} has no solution, or several"):
             return
         hardest = max(blow.impulse.values())
+        noticed = [n for n in codes if blow.impulse[n] > NOTICED * hardest]
         for n in codes:
-            if blow.impulse[n] > NOTICED * hardest:
+            if n in noticed and not touching.level[n]:
                 here = n in hit
                 by_speed = -seen.by_rate[n] - seen.rate_in_time[n] * shift if here else np.zeros_like(shift)
                 self._note_start(n, shift, -float(seen.rate[n]) if here else 0.0, by_speed, here)
@@ -375,14 +378,15 @@ class ContactMotion(Motion):
         if stay:
             self._press(stay, shift, STUCK * float(-seen.rate[hit].min()))
         if not self.message:
-            self._note_locks(drove, shift)
+            self._note_locks(drove, shift, noticed)
             self._engage(shift)
 
-    def _note_locks(self, before: np.ndarray, shift: np.ndarray) -> None:
-        """Note that clutches without torque before drive; before: (n,) those that did."""
+    def _note_locks(self, before: np.ndarray, shift: np.ndarray, struck: Sequence[int] = ()) -> None:
+        """Note that clutches drive, or have been struck, that did not drive before (n,)."""
         touching = self.touching
-        for n in np.flatnonzero(touching.shut & touching.level & touching.rigid & ~before).tolist():
-            self._note_start(n, shift, 0.0, np.zeros_like(shift))
+        for n in np.flatnonzero(touching.level & touching.rigid & ~before).tolist():
+            if touching.shut[n] or n in struck:
+                self._note_start(n, shift, 0.0, np.zeros_like(shift))
 
     def _engage(self, shift: np.ndarray) -> None:
         """Elastic and viscous clutches drive, or let go, whose rates have jumped, or are what they are at the start."""
