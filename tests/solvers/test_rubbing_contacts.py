@@ -93,6 +93,35 @@ B = {{ offset = [0, 0] }}
 """
 
 
+@pytest.mark.parametrize("mu", [0.1, 0.21, 0.3])
+@pytest.mark.parametrize(("end", "way"), [(0.1, 0.4), (-0.2, 0.1), (-0.6, 0.13)])
+def test_a_body_that_is_pressed_against_its_stop_may_bear_nothing_in_its_rough_pin(mu, end, way):
+    """Without gravity the moment of the stop is that of its spring: the pin has no force once it rests, nor friction."""
+    for place in (0.04, 0.043):
+        r = rt.loads(f"""
+format = 1
+gravity = [0, 0]
+ground.points.P = [0, 0]
+bodies.arm = {{ mass = 1.3, inertia = 0.06, points = {{ P = [{place}, 0.08] }} }}
+[joints.pin]
+type = "revolute"
+connect = ["ground.P", "arm.P"]
+friction = {{ model = "coulomb", mu = {mu}, pin_radius = "23 mm" }}
+stop = {{ min = -2, max = {end}, contact = {{ model = "impact", restitution = 0.3 }} }}
+[loads.spring]
+type = "torsion-spring"
+connect = ["ground", "arm"]
+stiffness = 2
+free_angle = 0.6
+[initial.arm]
+angle = {end - way}
+""").simulate(t_end=1.0)
+        assert r.success, r.message
+        assert sum(event.kind == "impact" for event in r.events) > 5
+        assert r["arm.angle"][-1] == pytest.approx(end, abs=1e-9)
+        assert abs(r["pin.stop"][-1]) == pytest.approx(2.0 * (0.6 - end), rel=1e-6)
+
+
 def test_a_lever_turns_back_under_the_pin_that_presses_on_it_as_without_friction_if_that_is_weak():
     """Where its rate is zero the pin still pushes: no joint at rest may hold it."""
     times = np.linspace(0, 0.08, 9)

@@ -157,8 +157,55 @@ def test_tolerances_follow_them():
     assert found.slopes["mu"] == pytest.approx(alone, rel=1e-8)
 
 
-# ---------------------------------------------------------------- what is not followed
-def test_joints_that_rub_beside_rigid_contacts_are_refused_in_words():
-    more = 'stop = { min = -0.1, max = 0.2, contact = { model = "impact", restitution = 0.5 } }'
-    with pytest.raises(TraceError, match=r"friction of joints beside rigid contacts \(joint rail\) has no derivatives"):
+# ---------------------------------------------------------------- beside rigid contacts
+def between_stops(push="0", restitution=0.5, x=0):
+    contact = f'{{ model = "impact", restitution = {restitution} }}'
+    return block(HOLDS, push, f"stop = {{ min = -0.1, max = 0.12, contact = {contact} }}", x)
+
+
+def test_a_block_that_rebounds_from_a_stop_comes_to_rest():
+    """From a stop at d it comes back by (e v1)^2/(2 mu g), with v1^2 = v^2 - 2 mu g d."""
+    mu, v, e, d = 0.2, 1.0, 0.5, 0.12
+    found = rt.loads(between_stops()).sensitivity(["block.x", "time(rail.contacts, 1)"], ["mu", "v"], t_eval=[0.0, 2.0])
+    by_mu = e**2 * v**2 / (2.0 * mu**2 * G)  # of d - e^2 (v^2/(2 mu g) - d)
+    assert slopes(found, "block.x")[-1] == pytest.approx([by_mu, -(e**2) * v / (mu * G)], rel=1e-7)
+    after = math.sqrt(v**2 - 2.0 * mu * G * d)
+    comes = (v - after) / (mu * G)
+    by_mu = -comes / mu + d / (mu * after)
+    assert slopes(found, "time(rail.contacts, 1)")[-1] == pytest.approx([by_mu, (1.0 - v / after) / (mu * G)], rel=1e-8)
+
+
+def test_a_block_pressed_against_a_stop_leaves_it_where_its_friction_gives_way():
+    """Pulled back as 10 (1 - t) N falls below zero, it moves from -mu_static m g on."""
+    m = rt.loads(between_stops("10*(1 - t)", restitution=0, x=0.12)).set(v=0.0)
+    found = m.sensitivity(["block.x", "rail.stop"], ["mu"], t_eval=[0.2, 1.2, 2.0])
+    begins, more = 1.0 + 1.5 * 0.2 * 2.0 * G / 10.0, 0.5 * 0.2 * G
+    later, by_begin = 2.0 - begins, 1.5 * 2.0 * G / 10.0
+    by_mu = -0.5 * G * later**2 / 2.0 + (more * later + 2.5 * later**2) * by_begin
+    assert slopes(found, "block.x")[:, 0] == pytest.approx([0.0, 0.0, by_mu], rel=1e-7, abs=1e-10)
+    assert slopes(found, "rail.stop")[-1, 0] == 0.0
+
+
+BUSHES = {
+    "smooth": "restitution = 0.5",
+    "rough": 'restitution = 0.4, friction = { model = "coulomb", mu = 0.2 }',
+    "that stays": 'restitution = 0, friction = { model = "coulomb", mu = 0.3 }',
+}
+
+
+@pytest.mark.parametrize("bush", BUSHES)
+@pytest.mark.parametrize(
+    "friction", [PIN, '{ model = "ambrosio", mu = "mu", v0 = 0.001, v1 = 0.01, pin_radius = "r" }']
+)
+def test_loose_pins_beside_joints_that_rub(bush, friction):
+    pin = f'clearance = 5e-4, contact = {{ model = "impact", bush_radius = 0.01, {BUSHES[bush]} }}'
+    begins = 'crank = { angle = 0.7, omega = "omega" }\nB = { offset = [0, 0] }'
+    m = rt.loads(slider_crank(friction, pin=pin, begins=begins))
+    found = assert_as_beside(m, ["crank.angle", "rod.angle", "slider.x"], np.linspace(0.0, 0.03, 4), rel=5e-6)
+    assert found.stats["switchings"] > 1
+
+
+def test_what_impacts_beside_joints_that_rub_have_no_derivatives_is_said():
+    more = 'stop = { min = -0.1, max = 0.2, contact = { model = "impact", restitution_law = "poisson" } }'
+    with pytest.raises(TraceError, match=r"impacts \(joint rail\) beside dry friction of joints have derivatives with"):
         rt.loads(block(HOLDS, more=more)).sensitivity(["block.x"], ["mu"], t_eval=[0.1])

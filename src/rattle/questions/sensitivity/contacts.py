@@ -165,7 +165,12 @@ class ContactMotion(Motion):
                 (touching.slide[rough] == 0.0) | (before.slips != 0.0)[rough] | (after.slips != 0.0)[rough]
             )
         begins = ~touching.shut & ~touching.released & closes
-        opens = touching.shut & ~(touching.rigid | touching.level) & (after.gap > 0.0) & ((before.gap < 0.0) | (after.rate > 0.0))
+        opens = (
+            touching.shut
+            & ~(touching.rigid | touching.level)
+            & (after.gap > 0.0)
+            & ((before.gap < 0.0) | (after.rate > 0.0))
+        )
         pulls = touching.shut & by_force & (after.normal < -slack) & (after.normal_in_time < 0.0)
         return np.flatnonzero(begins | opens | pulls)
 

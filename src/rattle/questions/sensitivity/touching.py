@@ -206,8 +206,7 @@ class Touching:
         self.functions.parameters = before
         ny, count = len(z), len(self._places)
         shut, slide, impulse = (
-            dict(zip(self._places, row, strict=True))
-            for row in values[ny : ny + 3 * count].reshape(3, count).tolist()
+            dict(zip(self._places, row, strict=True)) for row in values[ny : ny + 3 * count].reshape(3, count).tolist()
         )
         sound, agreed, *joints = values[ny + 3 * count :].tolist()
         rubs, free = np.array(joints).reshape(2, -1)
