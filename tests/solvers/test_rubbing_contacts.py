@@ -96,7 +96,7 @@ B = {{ offset = [0, 0] }}
 @pytest.mark.parametrize("mu", [0.1, 0.21, 0.3])
 @pytest.mark.parametrize(("end", "way"), [(0.1, 0.4), (-0.2, 0.1), (-0.6, 0.13)])
 def test_a_body_that_is_pressed_against_its_stop_may_bear_nothing_in_its_rough_pin(mu, end, way):
-    """Without gravity the moment of the stop is that of its spring: the pin has no force once it rests, nor friction."""
+    """Without gravity the moment of the stop is that of its spring: the pin has no force at rest, nor friction."""
     for place in (0.04, 0.043):
         r = rt.loads(f"""
 format = 1

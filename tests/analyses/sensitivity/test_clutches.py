@@ -8,10 +8,9 @@ import pytest
 
 import rattle as rt
 from rattle.errors import TraceError
-from test_contacts import differences
+from runs_beside import FINE, differences
 
 EXAMPLES = Path(rt.__file__).parent / "examples"
-FINE = {"rtol": 1e-11, "atol": 1e-14}
 
 
 def flywheel(clutch="", start="w", more=""):

@@ -10,8 +10,8 @@ from balls import G, ball
 from blocks import undamped
 from rattle.errors import InputError, ModelError, TraceError
 from rattle.questions.sensitivity.effects import effects
+from runs_beside import FINE, differences
 
-FINE = {"rtol": 1e-11, "atol": 1e-14}
 ROUNDING = 1e-7  # share by which derivatives of a run may be off
 ELASTIC = '{ model = "hertz", stiffness = "k", exponent = 1 }'
 
@@ -157,13 +157,6 @@ def test_slopes_are_those_of_runs_beside_it(law):
         by_time, by_speed = ((getattr(begun[0], k) - getattr(begun[1], k)) / (2 * step) for k in ("t", "normal_speed"))
         assert d[contacts[0], name][0] == pytest.approx(by_time, rel=1e-3, abs=1e-9), name
         assert d[contacts[1], name][0] == pytest.approx(by_speed, rel=1e-3, abs=1e-4), name
-
-
-def differences(m, name, of, t, step=1e-5):
-    """Central differences of curves at instants."""
-    step *= abs(m.parameters[name]) or 1.0
-    near = [m.set(**{name: m.parameters[name] + s}).simulate(t[-1], t_eval=t, **FINE) for s in (step, -step)]
-    return {curve: (near[0][curve] - near[1][curve]) / (2 * step) for curve in of}
 
 
 ENERGIES = ["energy.dissipated", "energy.potential", "energy.work", "energy.kinetic"]
