@@ -319,6 +319,15 @@ def test_beyond_the_horizon_of_a_chaotic_motion_there_is_no_derivative():
     assert any("no derivative of max(B.force)" in note for note in s.trust.notes)
 
 
+def test_a_belt_with_its_pretension_is_shut_from_the_start_on():
+    m, t = rt.example("belt_drive"), np.linspace(0.0, 0.1, 4)
+    of = ["motor.omega", "wheel.omega", "energy.potential"]
+    for name in ("T_0", "k", "J_1"):
+        d, want = slopes(m, of, [name], t), differences(m, name, of, t, step=1e-4)
+        for output in of:
+            assert d[output, name] == pytest.approx(want[output], abs=1e-4 * np.abs(want[output]).max()), (output, name)
+
+
 def test_what_is_not_defined_is_called_so():
     s = rt.loads(ball()).sensitivity(["ball.y", "time(rail.contacts, 9)"], ["h"], [0.0, 1.0])
     one, other = effects(s)

@@ -178,12 +178,14 @@ def test_a_block_that_rebounds_from_a_stop_comes_to_rest():
 def test_a_block_pressed_against_a_stop_leaves_it_where_its_friction_gives_way():
     """Pulled back as 10 (1 - t) N falls below zero, it moves from -mu_static m g on."""
     m = rt.loads(between_stops("10*(1 - t)", restitution=0, x=0.12)).set(v=0.0)
-    found = m.sensitivity(["block.x", "rail.stop"], ["mu"], t_eval=[0.2, 1.2, 2.0])
+    found = m.sensitivity(["block.x", "rail.stop"], ["mu"], t_eval=[0.0, 0.2, 1.2, 2.0])
     begins, more = 1.0 + 1.5 * 0.2 * 2.0 * G / 10.0, 0.5 * 0.2 * G
     later, by_begin = 2.0 - begins, 1.5 * 2.0 * G / 10.0
     by_mu = -0.5 * G * later**2 / 2.0 + (more * later + 2.5 * later**2) * by_begin
-    assert slopes(found, "block.x")[:, 0] == pytest.approx([0.0, 0.0, by_mu], rel=1e-7, abs=1e-10)
-    assert slopes(found, "rail.stop")[-1, 0] == 0.0
+    assert slopes(found, "block.x")[:, 0] == pytest.approx([0.0, 0.0, 0.0, by_mu], rel=1e-7, abs=1e-10)
+    presses = 10.0 - 0.2 * 2.0 * G  # friction bears what it does in motion
+    assert found["rail.stop"] == pytest.approx([-presses, 2.0 - presses, 0.0, 0.0], abs=1e-9)
+    assert slopes(found, "rail.stop")[:, 0] == pytest.approx([2.0 * G, 2.0 * G, 0.0, 0.0], abs=1e-6)
 
 
 BUSHES = {

@@ -68,7 +68,7 @@ class ContactFunctions:
     rubbing: RubbingFunctions | None = None  # of derivatives, if joints rub
     held: HeldFunctions | None = None  # of lanes, and of rigid contacts
     reserve: Sequence[Operand] = ()  # of derivatives: what is left of the slip or the stick of rigid contacts
-    strain: Sequence[Operand] = ()  # of lanes: energy [J] of those that are compliant at their depth
+    strain: Sequence[Operand] = ()  # energy [J] of those that are compliant at their depth
 
     @property
     def count(self) -> int:
@@ -232,14 +232,14 @@ def _record_contacts(
 
     def measured() -> tuple[SimpleNamespace, HeldFunctions | None, list[Operand]]:
         workspace = recording.run(derivative, t, y, np.zeros(len(y), dtype=object))
+        strain = [met.strain(workspace, n) for n in range(len(met))]
         if rate is not None:
             switches: list[Switch] = []
             if met.switches is not None:
                 switches = met.switches.at([1.0, *rate], lambda: recording.driven(workspace, t))
-            strain = [met.strain(workspace, n) for n in range(len(met))]
             return workspace, _held(met, workspace, y, switches), strain
         by_rate = (met.table[:, at.LEVEL] == 1).any()
-        return workspace, _held(met, workspace, y, []) if met.rigid.any() or by_rate else None, []
+        return workspace, _held(met, workspace, y, []) if met.rigid.any() or by_rate else None, strain
 
     (workspace, held, strain), _ = recording.guarded(measured)
     kept = (at.GAP, at.DGAP, at.NORMAL, at.ACROSS)

@@ -80,28 +80,63 @@ class ContactMotion(Motion):
         self._slight[: touching.contacts] = ROUNDED * np.where(angular, 1.0, size)
 
     def _begin(self) -> None:
-        if self.touching.rubbing is not None:
-            self._begin_to_rub()
-        super()._begin()
-        if self.message:
-            return
+        self.functions.start_energy(self.z)
+        self._rates = self.functions.rates(self.t, self.z)
         self._seen = self._look(self.t, self.z, self._rates)
-        self._engage(np.zeros(self.z.shape[1] - 1))
-        are, count = self.touching.are, self.touching.contacts
-        shut = np.flatnonzero(self._seen.gap[:count] <= np.where(are.rigid, NOT_OPEN, -NOT_OPEN))
-        shut = shut[(self._seen.gap[shut] < -NOT_OPEN) | (self._seen.rate[shut] <= 0.0)]
-        shut = shut[~self.touching.shut[shut]]
+        if self._rates.sound:
+            self._begin_to_touch(np.zeros(self.z.shape[1] - 1))
+        if not self.message:
+            super()._begin()
+
+    def _begin_to_touch(self, still: np.ndarray) -> None:
+        """Find the modes of joints that rub at the start, and contacts that are shut; still: (k,) zeros."""
+        if self._seen.rubbed is not None:
+            self._rub(self._moving(), still)
+            if not self.message:
+                self._follow_forces(still)
+            self._limit_steps()
+        if not self.message:
+            self._engage(still)
+        if not self.message:
+            self._press_at_start()
+        if not self.message:
+            self._rest_at_start(still)
+
+    def _rest_at_start(self, still: np.ndarray) -> None:
+        """Rigid contacts that touch at the start press from there on; a message if that is not known."""
+        touching, seen = self.touching, self._seen
+        are, count = touching.are, touching.contacts
+        shut = np.flatnonzero(seen.gap[:count] <= np.where(are.rigid, NOT_OPEN, -NOT_OPEN))
+        shut = shut[((seen.gap[shut] < -NOT_OPEN) | (seen.rate[shut] <= 0.0)) & ~touching.shut[shut]]
         if len(shut) and self._rests(shut):
-            still = np.zeros(self.z.shape[1] - 1)
             self._press(shut.tolist(), still, 0.0)
-            self._note_locks(np.zeros(self.touching.rows, dtype=bool), still)
+            self._note_locks(np.zeros(touching.rows, dtype=bool), still)
             self._limit_steps()
         elif len(shut):
-            does = "the clutch {} drives" if self.touching.level[shut[0]] else "bodies touch in {}"
+            does = "the clutch {} drives" if touching.level[shut[0]] else "bodies touch in {}"
             self.message = (
                 f"{does.format(are.joints[shut[0]])} at the start already, from which derivatives cannot follow; let"
                 " them start apart"
             )
+
+    def _press_at_start(self) -> None:
+        """Compliant contacts that are shut at the start go on from their depth, with the energy that they hold there."""
+        touching, seen, z = self.touching, self._seen, self.z.copy()
+        those = np.flatnonzero((seen.gap < -NOT_OPEN) & ~touching.rigid & ~touching.level & ~touching.shut)
+        strains = touching.strains(self.t, z, self._rates.values[:, 0]) if len(those) else np.zeros((0, 0))
+        for n in those[those < touching.contacts].tolist():
+            approaches = seen.rate[n] < 0.0
+            if not approaches and np.abs(seen.by_rate[n]).max(initial=0.0) > NOT_OPEN and seen.rate[n] == 0.0:
+                continue  # it may, or may not
+            speed = -float(seen.rate[n]) if approaches else 0.0
+            by_speed = -seen.by_rate[n] if approaches else np.zeros_like(seen.by_rate[n])
+            met = self._open[n] = self._note_start(n, np.zeros_like(by_speed), speed, by_speed, False)
+            met.peak, met.by_peak = 0.0, np.zeros_like(by_speed)
+            touching.set(n, True, speed, by_speed)
+            z[state_layout(self.functions.model.system).account(n).start + STORED] = strains[n]
+        if len(those):
+            self.functions.start_energy(z)
+            self._go_on(z, np.zeros(len(z)), np.zeros(z.shape[1] - 1))
 
     def _rests(self, shut: np.ndarray) -> bool:
         """Whether contacts that are shut at the start are rigid ones at rest, whatever the parameters."""
@@ -535,18 +570,6 @@ class ContactMotion(Motion):
         for n in (hit - touching.contacts).tolist():
             modes[n] = touching.rubbing.ended(n, seen.rubbed)
         self._rub(modes, shift)
-
-    def _begin_to_rub(self) -> None:
-        """Find the modes of joints that rub at the start."""
-        self.functions.start_energy(self.z)
-        self._rates = self.functions.rates(self.t, self.z)
-        self._seen = self._look(self.t, self.z, self._rates)
-        if self._rates.sound and self._seen.rubbed is not None:
-            still = np.zeros(self.z.shape[1] - 1)
-            self._rub(self._moving(), still)
-            if not self.message:
-                self._follow_forces(still)
-            self._limit_steps()
 
     def _moving(self) -> np.ndarray:
         """(n,) the senses in which joints that rub slip at present; 0 of one that rests."""

@@ -95,6 +95,7 @@ class Touching:
             self._hold(contacts.held, compile_function)
             watched += [contacts.reserve[n] for n in self.rough.tolist()]
         self._watch = Linearised(graph, watched, compile_function)
+        self._strain = Linearised(graph, contacts.strain, compile_function)
         self.shut = np.zeros(self.rows, dtype=bool)
         self.slide = np.zeros(self.contacts)  # senses in which rigid contacts slip
         self.released = np.zeros(self.rows, dtype=bool)  # without force, but not apart yet
@@ -182,6 +183,11 @@ class Touching:
             seen.slack, seen.slips = np.zeros(self.rows), np.zeros(self.rows)
             seen.slack[self._places], seen.slips[self._places] = faint, slip
         return seen
+
+    def strains(self, t: float, z: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        """Energies [J] of contacts at their depths (n, 1 + k), with their derivatives by parameters."""
+        values, slopes = self._strain(*self.functions.directions(t, z, rate))
+        return np.column_stack([values, slopes[:, :-1]])
 
     def _at_ends(self, t: float, z: np.ndarray) -> np.ndarray:
         """(5, n) of rigid contacts: rise, bend, force that may be rounding, slip, tangential force."""
