@@ -319,6 +319,46 @@ def test_beyond_the_horizon_of_a_chaotic_motion_there_is_no_derivative():
     assert any("no derivative of max(B.force)" in note for note in s.trust.notes)
 
 
+SLOTS = {"without ends": "", "with round ends": ", length = 0.05", "with open ends": ', length = 0.05, open = "both"'}
+
+
+@pytest.mark.parametrize("ends", SLOTS)
+@pytest.mark.parametrize("contact", ["impact", "hunt-crossley"])
+def test_a_pin_in_a_slot_has_the_slopes_of_runs_beside_it(ends, contact):
+    """It flies from wall to wall, along it, and where there are ends into them or out of the slot."""
+    law = "stiffness = 1e8, exponent = 1.5, " if contact == "hunt-crossley" else "friction = 0.1, "
+    m = rt.loads(f"""
+format = 1
+gravity = [0, -9.81]
+parameters = {{ c = 1e-3, v = 0.3, e = 0.5, k = 5 }}
+ground.points.O = [0, 0]
+bodies.puck = {{ points = {{ P = [0, 0] }}, mass = 0.3, inertia = 1e-4 }}
+[joints.S]
+type = "slot"
+connect = ["ground.O", "puck.P"]
+axis = 0.1
+clearance = "c"
+contact = {{ model = "{contact}", {law}restitution = "e", bush_radius = 0.01 }}{SLOTS[ends].replace(", ", chr(10))}
+[loads.spring]
+type = "spring"
+connect = ["ground.O", "puck.P"]
+stiffness = "k"
+free_length = 0.0
+[initial.puck]
+x = 0.01
+y = 0.001
+vx = "v"
+vy = 0.0
+angle = 0
+omega = 3
+""")
+    t, of = np.linspace(0.0, 0.06, 5), ["puck.x", "puck.y"]
+    for name in m.parameters:
+        d, want = slopes(m, of, [name], t), differences(m, name, of, t, step=1e-4)
+        for curve in of:
+            assert d[curve, name] == pytest.approx(want[curve], abs=2e-4 * np.abs(want[curve]).max()), (curve, name)
+
+
 def test_a_belt_with_its_pretension_is_shut_from_the_start_on():
     m, t = rt.example("belt_drive"), np.linspace(0.0, 0.1, 4)
     of = ["motor.omega", "wheel.omega", "energy.potential"]
