@@ -122,7 +122,7 @@ class RecordedContacts:
         )
         beside = f"impacts ({{}}) beside dry friction of joints {run} with restitution_law"
         return [
-            (False and rubs and clutch and self.lanes, f"a clutch ({{}}) beside joints that rub {runs}"),
+            (rubs and clutch and self.lanes, f"a clutch ({{}}) beside joints that rub {runs}"),
             (takes_part and not _is(law, NEWTON), f'{beside} = "newton" only'),
             (limited, f"clutches with max_torque ({{}}) {do}"),
         ]
