@@ -60,6 +60,7 @@ class Meets(NamedTuple):
     pulsates: bool = False  # loads may change faster than what moves
     rubs: int = 0  # number of joints with dry friction: they slip in the sense of their speed, or stick
     switches: int = 0  # number of expressions that switch: their speed is their side
+    limited: tuple[int, ...] = ()  # clutches with a largest torque: their speed is -1 where they slip at it
 
     @property
     def n(self) -> int:

@@ -111,7 +111,7 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
                  touch.held[f"most {name}"][k], floor)
                 for place, (name, floor) in enumerate((
                     ("pressed", ends.held["faint"][k]),
-                    ("reserve", select(apply("equal", touch.speed[n], 0.0), 2.0 * ends.held["faint"][k], 0.0)),
+                    ("reserve", select(_bears(meets, touch, n), 2.0 * ends.held["faint"][k], 0.0)),
                 ))
             ]  # fmt: skip
             seen = _held_looks(meets, n, seen[0], values, h, missed, shut, released)
@@ -230,7 +230,8 @@ def _held_looks(
     """
     pressed, reserve = (_reserve_at(h, missed, *row) for row in values)
     if meets.table[n, at.LEVEL]:
-        return [pressed.instead_of(_NOTHING, shut), reserve.instead_of(_NOTHING, apply("not", shut))]
+        waits = True if n in meets.limited else apply("not", shut)
+        return [pressed.instead_of(_NOTHING, shut), reserve.instead_of(_NOTHING, waits)]
     looks = [pressed.instead_of(gap, shut)]
     if n in meets.rigid:
         return [*looks, reserve.instead_of(_NOTHING, shut)]
@@ -238,6 +239,11 @@ def _held_looks(
     again = _reserve_at(h, missed, -start, -middle, -end, most, floor)
     through = _NOTHING._replace(free=gap.free, allowed=gap.allowed)  # from wall to wall, without force between them
     return [*looks, again.instead_of(_NOTHING, released), through.instead_of(_NOTHING, shut)]
+
+
+def _bears(meets: Meets, touch: Touch, n: int) -> Flag:
+    """Whether what is left of a contact is a force: it sticks, or is a clutch that holds."""
+    return touch.speed[n] > 0.5 if n in meets.limited else apply("equal", touch.speed[n], 0.0)
 
 
 def _rubbing_looks(

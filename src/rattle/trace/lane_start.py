@@ -11,7 +11,7 @@ from rattle.solvers.nonsmooth.event_driven import START_NEAR, START_SIZE
 from rattle.trace.lane_contacts import HELD_STARTS, LANE, Ends, Meets, Row
 from rattle.trace.lane_control import Status
 from rattle.trace.lane_program import Program
-from rattle.trace.recorded_rigid import DECIDES, HITS, OPEN
+from rattle.trace.recorded_rigid import DECIDES, HITS, OPEN, SHUT
 
 LATER = 1e-3  # share of the first step after which it is seen whether a contact leaves its wall
 AT_WALL = 1e-9  # share of its scale by which a contact may be in its wall at the start by rounding
@@ -130,7 +130,7 @@ class Stock:
             apart[n] = rows[n] > -at_wall
             if meets.table[n, at.LEVEL]:
                 apart[n] = True
-        hits = {n: near[n] & (held[n]["calm"] < 0.0) for n in meets.rigid}
+        hits = {n: near[n] & (held[n]["calm"] < 0.0) & (n not in meets.limited) for n in meets.rigid}
         any_hits = np.any([*hits.values(), np.zeros(self.n, dtype=bool)], axis=0)
         for n in meets.rigid:
             rests = np.where(any_hits, HITS, DECIDES)
@@ -138,6 +138,10 @@ class Stock:
             self.touch[n] = np.where(hits[n], HITS, np.where(near[n], rests, open_))
             self.touch[meets.all_of + n] = np.where(near[n], np.sign(held[n]["slip"]), 0.0)
             self.still[near[n]] = 1.0
+            if n in meets.limited:
+                rate = held[n]["calm"]
+                self.touch[n] = np.where(rate > 0.0, OPEN, np.where(rate < 0.0, SHUT, DECIDES))
+                self.touch[meets.all_of + n] = np.where(rate < 0.0, -1.0, 0.0)
 
     def _touch_elastic(self, meets: Meets, state: np.ndarray, rows: np.ndarray, held: Held, apart: np.ndarray) -> None:
         """Compliant contacts: those that move into their walls, or are inside; clutches that take without an impact."""

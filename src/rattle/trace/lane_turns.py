@@ -130,7 +130,8 @@ class Meeting:
             k, speed = self.meets.held.index(n), largest(-self.touch.rate[n], 0.0)
             fallen = speed * speed > 2.0 * abs(self.ends.held["bend"][k]) * self.met.low[k]
             fallen = fallen | (speed * self.touch.lane["flown"] > AT_WALL * self.met.low[k])
-            some = some | (fallen if not self.meets.table[n, at.LEVEL] else speed > 0.0)
+            if n not in self.meets.limited:
+                some = some | (fallen if not self.meets.table[n, at.LEVEL] else speed > 0.0)
         return some
 
     def rests(self, touch: Sequence[Operand]) -> Flag:
@@ -263,6 +264,9 @@ class Meeting:
             switched = switched | select_flag(still, jumps, spent)
         again = self._again()
         for n in self.meets.rigid:
+            if n in self.meets.limited:
+                shut[n], speed[n] = self._limited(n, still, ended | switched, again)
+                continue
             shut[n], speed[n] = self._rigid(n, still, strikes, ended | switched, again)
             decided_now = self.decides & self._comes_to_rest(n)
             again_now = still & (switched | decided_now) & (shut[n] > 0.5) & (shut[n] < 1.5)
@@ -365,6 +369,26 @@ class Meeting:
         after, sense = select(self.agreed, after, touch.shut[n]), select(self.agreed, sense, touch.speed[n])
         shut, slide = select(self.hits, after, shut), select(self.hits, sense, slide)
         return select(still, shut, goes), select(still, slide, way)
+
+    def _limited(self, n: int, still: Flag, ended: Flag, again: dict[int, Flag]) -> tuple[Operand, Operand]:
+        """What a clutch with a largest torque is after a trip: open, holds (1), or slips (-1); it bears no impulse."""
+        code, way = self.touch.shut[n], self.touch.speed[n]
+        k, r = self.meets.held.index(n), self.meets.rigid.index(n)
+        spent, rate = self.met.spent[k] > 0.0, self.ends.held["calm"][k]
+        holds = self.shut[n] & (way > -0.5)
+        # at the end of a step
+        goes = select(holds & ended, DECIDES, code)
+        goes = select(spent, select(holds, SHUT, DECIDES), goes)
+        goes = select(self.near[n] & holds, OPEN, goes)
+        after = select(spent, select(holds, -1.0, 0.0), way)
+        # after an impact, and after a decision
+        decided = self.decides & self.some & (code > 2.5)
+        shut = select(decided, self.struck.shut[r], select(again[n] & holds, DECIDES, code))
+        slide = select(decided, self.struck.slide[r], way)
+        jumped = self.hits & self.agreed
+        shut = select(jumped, select(rate > 0.0, OPEN, select(rate < 0.0, SHUT, DECIDES)), shut)
+        slide = select(jumped, select(rate < 0.0, -1.0, 0.0), slide)
+        return select(still, shut, goes), select(still, slide, after)
 
     def _fastest(self) -> Operand:
         """The largest speed with which a rigid contact closes before a trip."""

@@ -68,6 +68,8 @@ class RecordedContacts:
         mu = [values[p + at.MU] if rigid else 1.0 for p, rigid in zip(places, self.rigid, strict=True)]
         smooth = [_is(x, 0.0) for x in mu]
         self.lasts = self.rigid & np.array(smooth, dtype=bool)  # rigid ones that may stay shut: those without friction
+        levels = self.rigid & (self.table[:, at.LEVEL] == 1)
+        self.limited = levels & np.array([not _is(values[p + at.MOST_TORQUE], math.inf) for p in places], dtype=bool)
         # they end where their force does, not their gap
         self.by_force = (self.table[:, at.BY_FORCE] == 1) | self.rigid | (self.table[:, at.LEVEL] == 1)
         self.scale = [bare(x) for x in system.arrays["lever"][:, at.GAP_SCALE]]  # sizes of gaps [m or rad]
@@ -78,8 +80,11 @@ class RecordedContacts:
         for n in range(len(self.joints)):
             self._require_able(n, values)
         self._take_inputs()
-        # a rigid one may be HITS, DECIDES too
+        # a rigid one may be HITS, DECIDES too; one that slips at its largest torque exerts a force, and holds nothing
         self.is_shut = [(shut > 0.5) & (shut < 1.5) for shut in self.shut[: len(self.joints)]]
+        self.slips = {n: self.is_shut[n] & (self.speed[n] < -0.5) for n in np.flatnonzero(self.limited).tolist()}
+        for n in self.slips:
+            self.is_shut[n] = self.is_shut[n] & (self.speed[n] > -0.5)
         self._rigid: RigidContacts | None = None
 
     def _take_inputs(self) -> None:
@@ -113,7 +118,7 @@ class RecordedContacts:
         """The same of a rigid one."""
         first, friction, clutch = entry[at.NORMAL_P], self.rubbing, bool(entry[at.LEVEL] or entry[at.TOOTHED])
         law = values[first + at.RESTITUTION_LAW]
-        limited = bool(entry[at.LEVEL]) and not _is(values[first + at.MOST_TORQUE], math.inf)
+        limited = bool(entry[at.LEVEL]) and not _is(values[first + at.MOST_TORQUE], math.inf) and not self.lanes
         rubs, takes_part = friction is not None and bool(friction.rubs), friction is not None and friction.takes_part
         run, runs, do = (
             ("run side by side", "does not run side by side", "do not run side by side")
@@ -148,7 +153,7 @@ class RecordedContacts:
         if numbers := np.flatnonzero(self.rigid).tolist():
             self._rigid = RigidContacts(
                 self.graph, copies, self.table, numbers, self.shut, self.speed, self.is_shut,
-                not all(self.lasts[numbers]), self._crowded, self.rubbing,
+                not all(self.lasts[numbers]), self._crowded, self.rubbing, self.slips,
             )  # fmt: skip
         self._clutch = copies.of(compliant.add_clutch_torque.python)
         self._laws = self._said(copies.of(compliant.add_force_of_laws.python), "the law of force or friction")
@@ -178,6 +183,13 @@ class RecordedContacts:
                 m.contact_kinematics[n, column] = 0.0
             if not self.rigid[n]:
                 self._add_compliant(m, n)
+            elif n in self.slips:
+                a, b, most = (
+                    self.table[n, at.A_BODY],
+                    self.table[n, at.B_BODY],
+                    select(self.slips[n], self.most(m, n), 0.0),
+                )
+                self._copies.of(compliant.add_contact_force.python)(m.force, m.contact_kinematics, a, b, n, most, 0.0)
 
     def _add_compliant(self, m: SimpleNamespace, n: int) -> None:
         """Add the force of contact n where it is shut, with the rates of its states."""
@@ -264,6 +276,11 @@ class RecordedContacts:
         row = m.contact_kinematics[n]
         force: Operand = self._copies.of(compliant.push.python)(m, n, _depth(row[at.GAP]), row[at.DGAP])[1]
         return Symbol(force.graph, force.place) if isinstance(force, Symbol) else force
+
+    def most(self, m: SimpleNamespace, n: int) -> Operand:
+        """Largest torque of a clutch [N m]."""
+        torque: Operand = m.values[self.table[n, at.NORMAL_P] + at.MOST_TORQUE]
+        return torque
 
     def strain(self, m: SimpleNamespace, n: int) -> Operand:
         """Energy [J] of contact n at its depth, as `contact_events.strain_energy`; 0 of rigid ones and clutches."""

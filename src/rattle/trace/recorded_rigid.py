@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -56,7 +56,7 @@ from rattle.trace.recorded_restitution import Party, along_path, expanded
 SLOTS, MOST_SLOTS = 2, 3  # contacts that take part at one instant, with friction; most without, or if it is crowded
 # what a contact is: its state as an input of the graph; HITS: what is shut beside a contact that hits, too
 OPEN, SHUT, HITS, DECIDES = 0.0, 1.0, 2.0, 3.0
-OFF, STICKS, FORWARD, BACKWARD = range(4)  # modes
+OFF, STICKS, FORWARD, BACKWARD, LIMIT = range(5)  # modes; LIMIT: of a clutch that slips at its largest torque
 ROUNDED = 1e-13  # share of the terms of a rate or an acceleration that is rounding
 SOLVED = 1e-6  # share of b by which equations may be missed
 FIXED = 1e-11  # share of G without joints that G is where these fix a gap or a slip
@@ -130,13 +130,15 @@ class RigidContacts:
     def __init__(
         self, graph: Graph, copies: Copies, table: np.ndarray, numbers: Sequence[int], shut: Sequence[Operand],
         slide: Sequence[Operand], is_shut: Sequence[Flag], rough: bool, crowded: bool,
-        rubbing: RecordedFriction | None,
+        rubbing: RecordedFriction | None, slips: Mapping[int, Flag],
     ) -> None:  # fmt: skip
         """numbers: which contacts of the table; shut, slide, is_shut: of all; rough: some may have friction; crowded:
-        MOST_SLOTS of these may take part at one instant; rubbing: friction of joints."""
+        MOST_SLOTS of these may take part at one instant; rubbing: friction of joints; slips: clutches that have a
+        largest torque, and a flag: they slip at it."""
         self.graph, self._copies, self.table, self.numbers = graph, copies, table, list(numbers)
         self.state, self.slide, self.rough, self.rubbing = shut, slide, rough, rubbing
         self.shut = {n: is_shut[n] for n in self.numbers}
+        self.slips = slips
         self.takes_part = rubbing is not None and rubbing.takes_part  # joints have impulses
         self.width = 2 if rough else 1
         self._most = min(MOST_SLOTS if crowded or not rough else SLOTS, len(self.numbers))
@@ -248,6 +250,10 @@ class RigidContacts:
                 sticks = apply("equal", self.slide[n], 0.0)
                 slips = select(sticks, 0.0, -held * kinematics[n, at.SLIP])
                 kinematics[n, at.LOSS] = select(self.shut[n], slips, 0.0)
+        for n, slips in self.slips.items():
+            most = self._of(m, at.MOST_TORQUE)[n]
+            kinematics[n, at.NORMAL] = select(slips, most, kinematics[n, at.NORMAL])
+            kinematics[n, at.LOSS] = select(slips, -most * kinematics[n, at.DGAP], 0.0)
 
     def _off(self, m: SimpleNamespace, slots: list[_Slot]) -> list[Operand]:
         """What would be added to the rates of joints that rub if contacts that are shut had none: these hold only
@@ -360,7 +366,8 @@ class RigidContacts:
     # ---------------------------------------------------------------- instants
     def struck(self, m: SimpleNamespace, y: np.ndarray) -> Struck:
         """What becomes of the state y (ny,), for which the equations of motion without closed contacts stand in m."""
-        parts = {n: self.state[n] > 0.5 for n in self.numbers}
+        # what is finite has no impulse
+        parts = {n: self.state[n] > (2.5 if n in self.slips else 0.5) for n in self.numbers}
         slots, count = self._slots(m, parts)
         hits: Flag = False
         decides: Flag = False
@@ -476,11 +483,16 @@ class RigidContacts:
         pulls = [] if joints is None else self._pulls(m, slots)
         mus = [slot.of(self._of(m, at.MU)) if self.rough else 0.0 for slot in slots]
         slides = [slot.of(dict(enumerate(self.slide))) if self.rough else 0.0 for slot in slots]
+        mosts = [
+            slot.of({n: x if n in self.slips else 0.0 for n, x in self._of(m, at.MOST_TORQUE).items()})
+            for slot in slots
+        ]
         tries = []
         for combination in self._combinations(len(slots), lasting):
-            formula = functools.partial(self._forces, mus, combination)
+            formula = functools.partial(self._forces, mus, mosts, combination)
             f, rubs, converged, problem = self._solved(m, slots, right, joints, what, formula)
             flags = [converged, *self._conditions(problem, slots, mus, slides, combination, f, lasting)]
+            flags += self._within_limits(mosts, combination, f)
             flat = [x for pair in f for x in pair]
             gains = [summed(x * y for x, y in zip(row, flat, strict=True)) for row in g]
             for r, pull in enumerate(pulls):
@@ -493,29 +505,35 @@ class RigidContacts:
         """The modes of so many slots in the order in which they are tried."""
         options = [OFF, FORWARD] if not self.rough else [OFF, STICKS, FORWARD, BACKWARD]
         if lasting:  # what rests without a force stays shut: it takes part in impacts
-            options = [*options[1:], OFF]
+            options = [*options[1:], OFF, *([LIMIT] if self.slips else [])]
         combinations: list[tuple[int, ...]] = list(itertools.product(options, repeat=count))
         if self.rough and count > SLOTS:  # what three hold by friction is not known: first those of few
             combinations.sort(key=lambda modes: len(modes) - modes.count(OFF))
         return combinations
 
-    def _forces(self, mus: list[Operand], combination: Sequence[int], problem: _Problem) -> list[list[Operand]]:
+    def _forces(
+        self, mus: list[Operand], mosts: list[Operand], combination: Sequence[int], problem: _Problem
+    ) -> list[list[Operand]]:
         """N and T of each slot in these modes."""
-        g, right, w = problem.g, problem.right, self.width
+        g, w = problem.g, self.width
         unknown = [(k, r) for k, mode in enumerate(combination) for r in range(w)
-                   if (mode != OFF and r == 0) or (mode == STICKS and r == 1)]  # fmt: skip
+                   if (mode not in (OFF, LIMIT) and r == 0) or (mode == STICKS and r == 1)]  # fmt: skip
+        known = [(j, mosts[j]) for j, mode in enumerate(combination) if mode == LIMIT]
+        right = {
+            (k, r): problem.right[k][r] - summed(g[w * k + r][w * j] * most for j, most in known) for k, r in unknown
+        }
         rows = []
         for k, r in unknown:
             row = [self._per_unit(g[w * k + r], j, s, combination[j], mus[j]) for j, s in unknown]
             loose = problem.loose[w * k + r]  # what joints hold bears nothing, and stays shut
             own = [1.0 if place == (k, r) else 0.0 for place in unknown]
             rows.append(
-                [*(select(loose, x, y) for x, y in zip(row, own, strict=True)), select(loose, right[k][r], 0.0)]
+                [*(select(loose, x, y) for x, y in zip(row, own, strict=True)), select(loose, right[k, r], 0.0)]
             )
-        solution = dict(zip(unknown, solved(rows), strict=True))
+        solution = dict(zip(unknown, solved(rows) if rows else [], strict=True))
         f = []
         for k, mode in enumerate(combination):
-            normal = solution.get((k, 0), 0.0)
+            normal = mosts[k] if mode == LIMIT else solution.get((k, 0), 0.0)
             tangent = solution[k, 1] if mode == STICKS else self._pull(mode, mus[k]) * normal
             f.append([normal, tangent][:w])
         return f
@@ -551,6 +569,9 @@ class RigidContacts:
                 slight = SLIGHT * problem.size[w * k] + own[w * k] * most
                 flags.append((after[w * k] >= -slight) | apply("not", slots[k].taken))
                 continue
+            if mode == LIMIT:
+                flags += [slots[k].taken, after[w * k] <= SLIGHT * problem.size[w * k] + own[w * k] * most]
+                continue
             flags += [slots[k].taken, slots[k].loose[0], f[k][0] >= 0.0, abs(after[w * k]) <= close]
             if not self.rough:
                 continue
@@ -560,6 +581,16 @@ class RigidContacts:
                 flags += [abs(after[w * k + 1]) <= close, apply("equal", slide, 0.0)]
             else:
                 flags.append(self._slips_away(mode, after[w * k + 1], slide))
+        return flags
+
+    def _within_limits(self, mosts: list[Operand], combination: Sequence[int], f: list[list[Operand]]) -> list[Flag]:
+        """Clutches with a largest torque hold by no more than it, or slip at it; others do not slip."""
+        flags: list[Flag] = []
+        for most, mode, (normal, *_) in zip(mosts, combination, f, strict=True):
+            if not self.slips or mode == OFF:
+                continue
+            limited = most > 0.0
+            flags.append(limited if mode == LIMIT else apply("not", limited) | (normal <= (1.0 + SLIGHT) * most))
         return flags
 
     @staticmethod

@@ -99,6 +99,8 @@ def contacts_of(model: RecordedModel, reduction: Any) -> tuple[int, ...]:
     )
     if word != "contacts" and are.table[list(asked), at.LEVEL].any():
         raise TraceError(f"only single runs tell impacts of the clutch {joint} from other contacts")
+    if are.limited[list(asked)].any():
+        raise TraceError(f"only single runs tell which contacts of the clutch {joint} begin, as it slips at max_torque")
     level, rigid = are.table[:, at.LEVEL] == 1, are.rigid
     if level[list(asked)].any() and (level | rigid).sum() > 1:
         raise TraceError(f"only single runs tell which contacts of the clutch {joint} begin together with others")
@@ -326,6 +328,7 @@ class _Met:
         return Meets(
             table, entries, 3 * self.model.system.body_count, touched, midway, struck, self.peaks, self.held,
             pulsates(self.model.system.model), self.model.contacts.count - len(table) - switches, switches,
+            tuple(np.flatnonzero(self.model.contacts.are.limited).tolist()),
         )  # fmt: skip
 
 

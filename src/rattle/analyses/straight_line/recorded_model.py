@@ -95,7 +95,8 @@ class HeldFunctions:
 
     numbers: list[int]
     pressed: list[Operand]  # force while it is shut; of a compliant one also what it would pull with [N or N m]
-    reserve: list[Operand]  # above zero while it slips as it does [m/s], or sticks [N]; of an open clutch, its rate
+    reserve: list[Operand]  # above zero while it slips as it does [m/s], or sticks [N]; of an open clutch, its rate,
+    # of one with a largest torque what is left of that, or the rate with which it slips
     slip: list[Operand]  # [m/s], 0 where it may be rounding
     calm: list[Operand]  # rate of the gap [m/s or rad/s] likewise
     tangent: list[Operand]  # T of B against A along t [N]
@@ -304,7 +305,8 @@ def _reserve(met: RecordedContacts, m: SimpleNamespace, n: int, calm: bool = Tru
     rounding."""
     row = m.contact_kinematics[n]
     if met.table[n, at.LEVEL]:
-        return select(met.is_shut[n], 1.0, row[at.DGAP])
+        free = select(met.is_shut[n], met.most(m, n) - row[at.NORMAL] if met.limited[n] else 1.0, row[at.DGAP])
+        return select(met.slips[n], -row[at.DGAP], free) if met.limited[n] else free
     if met.lasts[n]:
         return 1.0
     sticks = abs(met.speed[n]) < 0.5

@@ -120,7 +120,7 @@ class ContactMotion(Motion):
             )
 
     def _press_at_start(self) -> None:
-        """Compliant contacts that are shut at the start go on from their depth, with the energy that they hold there."""
+        """Compliant contacts that are shut at the start go on from their depth, with the energy that they hold."""
         touching, seen, z = self.touching, self._seen, self.z.copy()
         those = np.flatnonzero((seen.gap < -NOT_OPEN) & ~touching.rigid & ~touching.level & ~touching.shut)
         strains = touching.strains(self.t, z, self._rates.values[:, 0]) if len(those) else np.zeros((0, 0))
