@@ -410,9 +410,40 @@ def test_a_clutch_whose_rates_jump(clutch):
     assert_alike(m, {"T": np.array([-2.0, 2.0, 4.0])}, outputs, 1.5, rel=1e-5, abs=1e-7)
 
 
-def test_a_clutch_that_slips_runs_alone():
-    found = shafts('model = "ideal", max_torque = 3').many({"T": [1.0]}, t_end=1.0, outputs=["final(two.omega)"])
-    assert "clutches with max_torque (joint way) do not run side by side" in found.stats["how"]
+SLIPS = 'model = "ideal", max_torque = 0.8'
+
+
+def test_a_clutch_that_slips_at_its_largest_torque_until_both_shafts_are_equally_fast():
+    """One shaft turns with 3 rad/s, the other takes M/J until the sum of momenta is shared; T = 0."""
+    m = shafts(SLIPS, load="T*cos(0)").set({"initial.one.omega": 3.0})
+    w = np.array([0.2, -1.0, 1.5])
+    samples, outputs = (
+        {"T": np.zeros(3), "w": w},
+        ["final(two.omega)", "final(one.angle)", LOST, "first(way.torque < 0.79)"],
+    )
+    _, (rate, angle, lost, ends) = side_by_side(m, samples, outputs, 4.0, **FINE)
+    together = (3.0 + 2.0 * w) / 3.0
+    slip = (3.0 - together) / 0.8
+    assert rate == pytest.approx(together, rel=1e-10)
+    assert ends == pytest.approx(slip, rel=1e-6)
+    assert lost == pytest.approx(0.5 * (2.0 / 3.0) * (3.0 - w) ** 2, rel=1e-9)
+    assert angle == pytest.approx(3.0 * slip - 0.4 * slip**2 + together * (4.0 - slip), rel=1e-9)
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+@pytest.mark.parametrize(
+    "stop", ["", ', stop = { min = -0.1, max = 0.1, contact = { model = "impact", restitution = 0.6 } }']
+)
+def test_clutches_with_a_largest_torque_hold_slip_and_let_go_as_alone(sense, stop):
+    m = shafts(f"{SLIPS}, sense = {sense}", stop, "T*cos(6*t)")
+    outputs = ["final(two.omega)", "final(one.angle)", "max(way.torque)", "share(way.torque > 0.79)", LOST]
+    t_end = 0.7 if stop else 2.0
+    assert_alike(m, {"T": np.array([-6.0, 2.0, 5.0])}, outputs, t_end, rel=1e-6, abs=1e-8)
+
+
+def test_counts_of_clutches_that_single_runs_alone_tell():
+    found = shafts(SLIPS).many({"T": [1.0]}, t_end=1.0, outputs=["count(way.contacts)"])
+    assert "which contacts of the clutch way begin, as it slips at max_torque" in found.stats["how"]
     found = shafts('model = "ideal"').many({"T": [1.0]}, t_end=1.0, outputs=["count(way.impacts)"])
     assert "only single runs tell impacts of the clutch way" in found.stats["how"]
     stop = ', stop = { min = -0.1, max = 0.1, contact = { model = "impact", restitution = 0.6 } }'

@@ -187,6 +187,7 @@ class Meeting:
         shut, speed = self._states(flags.good & still, strikes)
         others = (*self.meets.rubbing, *self.meets.switching)
         jumps = _any(self._jumps(n) for n in range(self.meets.n) if self._is_soft_clutch(n))
+        jumps = jumps | (self.hits & self.agreed & bool(self.meets.limited))  # whose torques jump after impacts
         waits = _any(shut[n] > 2.5 for n in (*rigid, *others)) | (still & (self.decides | jumps))
         waits = waits | (still & self.hits & apply("not", self.agreed))
         state = [
