@@ -69,7 +69,9 @@ class RecordedContacts:
         smooth = [_is(x, 0.0) for x in mu]
         self.lasts = self.rigid & np.array(smooth, dtype=bool)  # rigid ones that may stay shut: those without friction
         levels = self.rigid & (self.table[:, at.LEVEL] == 1)
-        self.limited = levels & np.array([not _is(values[p + at.MOST_TORQUE], math.inf) for p in places], dtype=bool)
+        self.limited = np.zeros_like(levels)
+        for n in np.flatnonzero(levels).tolist():
+            self.limited[n] = not _is(values[places[n] + at.MOST_TORQUE], math.inf)
         # they end where their force does, not their gap
         self.by_force = (self.table[:, at.BY_FORCE] == 1) | self.rigid | (self.table[:, at.LEVEL] == 1)
         self.scale = [bare(x) for x in system.arrays["lever"][:, at.GAP_SCALE]]  # sizes of gaps [m or rad]

@@ -251,7 +251,7 @@ class RigidContacts:
                 slips = select(sticks, 0.0, -held * kinematics[n, at.SLIP])
                 kinematics[n, at.LOSS] = select(self.shut[n], slips, 0.0)
         for n, slips in self.slips.items():
-            most = self._of(m, at.MOST_TORQUE)[n]
+            most = m.values[self.table[n, at.NORMAL_P] + at.MOST_TORQUE]
             kinematics[n, at.NORMAL] = select(slips, most, kinematics[n, at.NORMAL])
             kinematics[n, at.LOSS] = select(slips, -most * kinematics[n, at.DGAP], 0.0)
 
@@ -483,10 +483,8 @@ class RigidContacts:
         pulls = [] if joints is None else self._pulls(m, slots)
         mus = [slot.of(self._of(m, at.MU)) if self.rough else 0.0 for slot in slots]
         slides = [slot.of(dict(enumerate(self.slide))) if self.rough else 0.0 for slot in slots]
-        mosts = [
-            slot.of({n: x if n in self.slips else 0.0 for n, x in self._of(m, at.MOST_TORQUE).items()})
-            for slot in slots
-        ]
+        most = {n: m.values[self.table[n, at.NORMAL_P] + at.MOST_TORQUE] for n in self.slips}
+        mosts = [slot.of({n: most.get(n, 0.0) for n in self.numbers}) for slot in slots]
         tries = []
         for combination in self._combinations(len(slots), lasting):
             formula = functools.partial(self._forces, mus, mosts, combination)

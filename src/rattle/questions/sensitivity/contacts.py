@@ -39,11 +39,22 @@ ALMOST = 0.1  # share of the gap at both ends of a step by which its least value
 TRIES = 60  # of a landing by interpolation, before steps are halved
 PEAK_ROUNDS = 40  # of the search for a largest force, by halves
 MOST_MODES = 30  # of joints that rub, one after the other at one instant
+MOST_TURNS = 60  # of contacts and joints at one instant
 MOST_CHANGES = 12  # of them beside rigid contacts, before all are tried
 CROWDED = "more rigid contacts take part at one instant than derivatives follow"
 UNMOVED = 1e-10  # share of the run by which a change of a parameter, as large as it is, moves an instant by rounding
 ROUNDED = 2e-15  # share of the size of the mechanism by which a gap may be rounding, or of 1 rad
 NOT_OPEN = 1e-12  # [m or rad] by which a contact may be shut at the start
+
+
+def _may_vanish(values: Sequence[float], falls: float, rises: float) -> bool:
+    """Whether a curve that is not negative may be within a step, by its values at both ends and midway, and its slopes
+    per step at the ends."""
+    a, middle, b = values
+    theta = np.linspace(0.0, 1.0, 65)
+    cubic = a + theta * (falls + theta * ((3 * (b - a) - 2 * falls - rises) + theta * (2 * (a - b) + falls + rises)))
+    least = min(a, b)
+    return bool(least >= 0.0 and cubic.min() - 4.0 * abs(middle - cubic[32]) < min(0.0, ALMOST * least))
 
 
 @dataclass
@@ -73,7 +84,8 @@ class ContactMotion(Motion):
         self._fastest = np.zeros(touching.rows)  # largest |g'| since the contact before
         self._open: dict[int, Met] = {}  # contacts that last
         self._pulsates = pulsates(functions.model.system.model)
-        self._tries = 0
+        self._tries, self._turns, self._turned_at = 0, 0, -math.inf
+        self._let: dict[int, float] = {}  # instants at which forces of compliant contacts ended [s]
         size = functions.model.system.extent
         angular = touching.functions.model.system.arrays["lever"][:, at.ANGULAR] > 0.0
         self._slight = np.zeros(touching.rows)  # sizes of gaps that may be rounding [m or rad]
@@ -92,15 +104,16 @@ class ContactMotion(Motion):
         """Find the modes of joints that rub at the start, and contacts that are shut; still: (k,) zeros."""
         if self._seen.rubbed is not None:
             self._rub(self._moving(), still)
-            if not self.message:
-                self._follow_forces(still)
-            self._limit_steps()
         if not self.message:
             self._engage(still)
         if not self.message:
             self._press_at_start()
+        if self._seen.rubbed is not None and not self.message:
+            self._follow_forces(still)
+            self._limit_steps()
         if not self.message:
             self._rest_at_start(still)
+        self._keep_jumps(still)
 
     def _rest_at_start(self, still: np.ndarray) -> None:
         """Rigid contacts that touch at the start press from there on; a message if that is not known."""
@@ -130,8 +143,7 @@ class ContactMotion(Motion):
                 continue  # it may, or may not
             speed = -float(seen.rate[n]) if approaches else 0.0
             by_speed = -seen.by_rate[n] if approaches else np.zeros_like(seen.by_rate[n])
-            met = self._open[n] = self._note_start(n, np.zeros_like(by_speed), speed, by_speed, False)
-            met.peak, met.by_peak = 0.0, np.zeros_like(by_speed)
+            self._open[n] = self._note_start(n, np.zeros_like(by_speed), speed, by_speed, False)
             touching.set(n, True, speed, by_speed)
             z[state_layout(self.functions.model.system).account(n).start + STORED] = strains[n]
         if len(those):
@@ -206,7 +218,8 @@ class ContactMotion(Motion):
             & (after.gap > 0.0)
             & ((before.gap < 0.0) | (after.rate > 0.0))
         )
-        pulls = touching.shut & by_force & (after.normal < -slack) & (after.normal_in_time < 0.0)
+        falls = (after.normal_in_time < 0.0) | (before.normal >= -slack)
+        pulls = touching.shut & by_force & (after.normal < -slack) & falls
         return np.flatnonzero(begins | opens | pulls)
 
     def _ends_by_force(self, n: int, after: Watched) -> bool:
@@ -251,27 +264,31 @@ class ContactMotion(Motion):
 
         landed: contacts that do at its end.
         """
-        turns = ~self.touching.released & (before.rate * after.rate < 0.0)
-        turns &= np.where(self.touching.shut, before.rate > 0.0, before.rate < 0.0)
-        turns[landed] = False
-        if not turns.any():
-            return False
+        touching = self.touching
+        turns = ~touching.released & (before.rate * after.rate < 0.0)
+        turns &= np.where(touching.shut, before.rate > 0.0, before.rate < 0.0)
+        turns &= ~(touching.shut & touching.level)  # those end by their torque alone
+        eases = touching.shut & touching.by_force & (before.normal_in_time < 0.0) & (after.normal_in_time > 0.0)
+        turns[landed] = eases[landed] = False
         h = t_new - self.t
-        if h <= 16.0 * TOO_SHORT * self.t_end:
+        if not (turns | eases).any() or h <= 16.0 * TOO_SHORT * self.t_end:
             return False
         (middle,) = step.states(self.functions, np.array([self.t + 0.5 * h]))
         rates = self.functions.rates(self.t + 0.5 * h, middle)
         between = self._look(self.t + 0.5 * h, middle, rates)
         for n in np.flatnonzero(turns):
-            sign = -1.0 if self.touching.shut[n] else 1.0
-            a, b = sign * before.gap[n], sign * after.gap[n]
-            da, db = sign * h * before.rate[n], sign * h * after.rate[n]
-            theta = np.linspace(0.0, 1.0, 65)
-            cubic = a + theta * (da + theta * ((3 * (b - a) - 2 * da - db) + theta * (2 * (a - b) + da + db)))
-            off = abs(sign * between.gap[n] - cubic[32])
-            if cubic.min() - 4.0 * off < min(0.0, ALMOST * min(a, b)) and min(a, b) >= 0.0:
+            sign = -1.0 if touching.shut[n] else 1.0
+            gaps = [sign * x.gap[n] for x in (before, between, after)]
+            if _may_vanish(gaps, sign * h * before.rate[n], sign * h * after.rate[n]):
                 return True
-        return False
+        return any(
+            _may_vanish(
+                [x.normal[n] for x in (before, between, after)],
+                h * before.normal_in_time[n],
+                h * after.normal_in_time[n],
+            )
+            for n in np.flatnonzero(eases)
+        )
 
     def _let_go(self, after: Watched) -> None:
         """Contacts whose force has ended are open once their gap is."""
@@ -280,15 +297,28 @@ class ContactMotion(Motion):
         again = np.flatnonzero(self.touching.released & ~self.touching.rigid & (after.rate < 0.0))
         if len(again):
             joint = self.touching.joints[again[0]]
+            self._leave_out_since(self._let[again[0]])
             self.message = (
                 f"stopped at t = {self.t:.6g} s: the contact in {joint}, whose force has ended, is pressed again before"
                 " its gap opens, which derivatives do not follow"
             )
 
+    def _leave_out_since(self, t: float) -> None:
+        """What comes later than t [s] is not known."""
+        count = int(np.searchsorted(self.t_eval[: len(self.values)], t, side="right"))
+        del self.values[count:], self.derivatives[count:]
+        self.t = t
+
     # ---------------------------------------------------------------- contacts
     def _meet(self, hit: np.ndarray) -> None:
         """What begins or ends at the present instant."""
         touching, n = self.touching, int(hit[0])
+        self._turns = self._turns + 1 if self.t - self._turned_at <= TOO_SHORT * self.t_end else 1
+        self._turned_at = self.t
+        if self._turns > MOST_TURNS:
+            names = ", ".join(dict.fromkeys(touching.joints[n] for n in hit))
+            self.message = f"stopped at t = {self.t:.6g} s: contacts begin and end there without end ({names})"
+            return
         rubs = hit[(hit >= touching.contacts) & (hit < touching.slides)]
         others = np.setdiff1d(hit, rubs)
         rigid = bool(((others >= touching.slides) | touching.rigid[others]).all())
@@ -302,6 +332,7 @@ class ContactMotion(Motion):
             return
         shift = self._shift_of(n)
         self._keep_moment(shift)
+        self._keep_jumps(shift)
         if (touching.rigid[others] & ~touching.shut[others] & ~touching.level[others]).any():
             self._collide(others.tolist(), shift)
         elif rigid:
@@ -313,6 +344,7 @@ class ContactMotion(Motion):
         if not self.message and (touching.rubbing is not None or not rigid):
             self._follow_forces(shift)
         if not self.message:
+            self._keep_jumps(shift)
             self._keep_moment(shift)
             self.h, self._near = RESTART * self.t_end, 0
             self.switched += 1
@@ -372,6 +404,8 @@ class ContactMotion(Motion):
                 " not defined"
             )
         met = Met(joint, self.t, shift, speed, by_speed)
+        if not self.touching.rigid[n] or self.touching.level[n]:
+            met.peak, met.by_peak = 0.0, np.zeros_like(shift)
         self.met.append(met)
         self._fastest[n] = 0.0
         return met
@@ -379,16 +413,14 @@ class ContactMotion(Motion):
     def _start(self, n: int, shift: np.ndarray) -> None:
         """A compliant contact begins."""
         seen, before = self._seen, self._rates.values[:, 0]
-        speed, by_speed = 0.0, np.zeros_like(shift)
-        if not self.touching.level[n]:
-            speed, by_speed = -float(seen.rate[n]), -seen.by_rate[n] - seen.rate_in_time[n] * shift
-        met = self._open[n] = self._note_start(n, shift, speed, by_speed)
+        speed, by_speed = -float(seen.rate[n]), -seen.by_rate[n] - seen.rate_in_time[n] * shift
+        if self.touching.level[n]:  # its rate may have jumped
+            jumped = seen.gap[n] < -NOT_OPEN
+            speed = -float(seen.gap[n]) if jumped else 0.0
+            by_speed = -seen.by_gap[n] - seen.rate[n] * shift if jumped else np.zeros_like(shift)
+        self._open[n] = self._note_start(n, shift, speed, by_speed)
         self.touching.set(n, True, speed, by_speed)
-        met.peak, met.by_peak = 0.0, np.zeros_like(shift)
         self._go_on(self.z, before, shift)
-        if self._seen.normal[n] > 0.0:  # at once, by its damping: it moves with the instant
-            met.peak = float(self._seen.normal[n])
-            met.by_peak = self._seen.by_normal[n] + self._seen.normal_in_time[n] * shift
 
     def _collide(self, hit: list[int], shift: np.ndarray) -> None:
         """An impact of rigid contacts, in which those that last take part."""
@@ -426,7 +458,9 @@ class ContactMotion(Motion):
         touching = self.touching
         for n in np.flatnonzero(touching.level & touching.rigid & ~before).tolist():
             if touching.shut[n] or n in struck:
-                self._note_start(n, shift, 0.0, np.zeros_like(shift))
+                met = self._note_start(n, shift, 0.0, np.zeros_like(shift))
+                if touching.shut[n]:
+                    self._open[n] = met
 
     def _engage(self, shift: np.ndarray) -> None:
         """Elastic and viscous clutches drive, or let go, whose rates have jumped, or are what they are at the start."""
@@ -541,6 +575,7 @@ class ContactMotion(Motion):
             array[self.touching.states(n)] = 0.0
         self.touching.set(n, False)
         self.touching.released[n] = self.touching.are.by_force[n]
+        self._let[n] = self.t
         self._open.pop(n, None)
         self._fastest[n] = abs(self._seen.rate[n])
         self._go_on(z, before, shift)
@@ -548,6 +583,7 @@ class ContactMotion(Motion):
     def _go_on(self, z: np.ndarray, along: np.ndarray, shift: np.ndarray) -> None:
         """Go on from z; along: how the state after changes with the instant of the change, before it is taken off."""
         z = z.copy()
+        self.functions.still[:] = False
         rates = self.functions.rates(self.t, z)
         z[:, 1:] += (along - rates.values[:, 0])[:, None] * shift
         z, sound = self.functions.projected(self.t, z)
@@ -600,6 +636,16 @@ class ContactMotion(Motion):
             if before.normal_in_time[n] > 0.0 > after.normal_in_time[n]:
                 self._keep(met, n, self._top(step, n, t_new))
             self._keep(met, n, after)
+
+    def _keep_jumps(self, shift: np.ndarray) -> None:
+        """Keep the largest force at an instant at which forces may jump; it moves with that."""
+        seen, touching = self._seen, self.touching
+        for n in [n for n in self._open if not touching.shut[n]]:
+            del self._open[n]
+        for n, met in self._open.items():
+            if seen.normal[n] >= met.peak and seen.normal[n] > 0.0:
+                met.peak = float(seen.normal[n])
+                met.by_peak = seen.by_normal[n] + seen.normal_in_time[n] * shift
 
     @staticmethod
     def _keep(met: Met, n: int, seen: Watched) -> None:

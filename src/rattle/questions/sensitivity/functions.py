@@ -51,6 +51,7 @@ class Functions:
         self.resting = np.zeros(len(margins), dtype=bool)  # expressions that have no effect at present
         self.of_contact = _of_contacts(model, margins)
         self.resting |= self.of_contact[-1]
+        self.still = np.zeros(len(margins), dtype=bool)  # those that rest on a kink
         self._rate = Linearised(graph, [*model.derivative, *(x < 0.0 for x in margins)], compile_function)
         self._margins = Linearised(graph, margins, compile_function) if margins else None
         self._project = Linearised(graph, model.projection, compile_function)
@@ -78,7 +79,7 @@ class Functions:
         """dz/dt."""
         values, along = self._rate(*self.at(t, z))
         n = self.size
-        sides = np.where(self.resting, 0.0, values[n + 1 :])
+        sides = np.where(self.resting | self.still, 0.0, values[n + 1 :])
         return Rates(np.column_stack([values[:n], along[:n]]), values[n] == 1.0, sides)
 
     def projected(self, t: float, z: np.ndarray) -> tuple[np.ndarray, bool]:

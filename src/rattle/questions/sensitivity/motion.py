@@ -71,6 +71,7 @@ class Motion:
         self.wall = 0.0
         self._lifting = weight(system)[0]  # [J]
         self._longest = math.inf  # step that shows all that happens [s]
+        self._beyond: Rates | None = None  # on another side of a switch, at the end of the last step that failed there
         self._crawls = 0  # steps one after the other that make no way
         self._near = 0  # steps that must not become longer, because a switch was found ahead
         self._turnover = np.array([0.0, math.inf, -math.inf, 0.0])  # kinetic, least and most potential, work [J]
@@ -124,6 +125,7 @@ class Motion:
             self._shorten("sound", h, 0.5)
             return
         if (rates.sides != self._rates.sides).any():
+            self._beyond = rates
             self._shorten("sides", h, 0.5)
             return
         self._crawls = self._crawls + 1 if h <= CRAWLS * self.t_end else 0
@@ -168,19 +170,39 @@ class Motion:
         words, ahead = "touches its switch there and turns back", BESIDE * TOO_SHORT * self.t_end
         drift = 0.0  # of the right-hand side on this side of the switch
         for _ in range(DOUBLINGS):
-            after = self.functions.rates(t + ahead, z + ahead * before.values)
+            slope = before.values
+            after = self.functions.rates(t + ahead, z + ahead * slope)
+            if (after.sides == before.sides).all():  # what begins at rest moves by its acceleration
+                slope = 0.5 * (before.values + after.values)
+                after = self.functions.rates(t + ahead, z + ahead * slope)
             if (after.sides != before.sides).any():
                 words = "switches back and forth there"
-                if self._pass(after, ahead, drift) or self.message:
+                if self._pass(after, ahead, slope, drift) or self.message:
                     return
             else:
                 drift = float(np.abs(after.values[:, 0] - before.values[:, 0]).max())
             ahead *= 2.0
+        if self._is_at_rest():
+            return
         self.message = f"stopped at t = {t:.6g} s: {self._names} {words}"
 
-    def _pass(self, after: Rates, ahead: float, drift: float) -> bool:
+    def _is_at_rest(self) -> bool:
+        """Whether expressions only seem to switch where the motion is, as what rests on a kink turns by rounding: they
+        are left aside then."""
+        before, beyond = self._rates, self._beyond
+        if beyond is None:
+            return False
+        off, size = (np.abs(x[:, 0]).max() for x in (beyond.values - before.values, before.values))
+        flips = beyond.sides != before.sides
+        if off > ALIKE * size or not flips.any():
+            return False
+        self.functions.still |= flips
+        self._rates, self.h, self._near = self.functions.rates(self.t, self.z), RESTART * self.t_end, 0
+        return True
+
+    def _pass(self, after: Rates, ahead: float, slope: np.ndarray, drift: float) -> bool:
         """Go on beyond a switch, where the right-hand side is another; False, without a message, if that is on its
-        other side still, or again; drift: by how much it has changed before."""
+        other side still, or again; slope: of the way there; drift: of the right-hand side before it."""
         before, t, z = self._rates, self.t, self.z
         shift = np.zeros(z.shape[1] - 1)  # a kink moves on nothing
         jump = before.values[:, 0] - after.values[:, 0]
@@ -194,14 +216,15 @@ class Motion:
                 trouble, self.message = self.message, ""
             else:
                 shift = moved
-        beyond = z + ahead * before.values
+        beyond = z + ahead * slope
         beyond[:, 1:] += jump[:, None] * shift
         beyond, sound = self.functions.projected(t + ahead, beyond)
         rates = self.functions.rates(t + ahead, beyond)
         if not sound or (rates.sides != after.sides).any():
             return False
         self._keep_moment(shift)
-        self.z, self._rates = beyond, rates
+        self.functions.still[:] = False
+        self.z, self._rates = beyond, self.functions.rates(t + ahead, beyond)
         self.t, self.h, self._near = t + ahead, RESTART * self.t_end, 0
         self.switched += 1
         if self._follow_switch(shift) and not self.message:

@@ -69,7 +69,7 @@ def require_same_contacts(model: RecordedModel, run: ContactMotion, reach: float
     for n, event in enumerate(begins):
         if event.t > last:
             return
-        if event.normal_speed < noticed:
+        if event.kind == "impact" and event.normal_speed < noticed:
             continue
         apart = _apart(event, run.met[n]) if n < len(run.met) else math.inf
         if SAME * end < apart < PARTING * end:  # runs that were the same part: from here on errors are large
