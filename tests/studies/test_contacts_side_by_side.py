@@ -15,6 +15,7 @@ from rattle.analyses.straight_line.starts import Starts
 
 PRESSED = 'stiffness = 2e9, exponent = 1.5, restitution = "e", bush_radius = 0.01'
 RUBS = 'friction = { model = "ambrosio", mu = "mu", v0 = 0.01, v1 = 0.1 }'
+RUBS_SMOOTHLY = 'friction = { model = "threlfall", mu = "mu", vr = 0.1 }'
 RIGID = '{ model = "impact", restitution = "e", friction = "mu", bush_radius = 0.01 }'
 
 
@@ -182,6 +183,7 @@ LAWS = {
     "lankarani": (f'{{ model = "lankarani-nikravesh", {PRESSED} }}', 1.3e-3),
     "kelvin-voigt": (f'{{ model = "kelvin-voigt", {PRESSED} }}', 1e-3),
     "rubs": (f'{{ model = "hunt-crossley", {PRESSED}, {RUBS} }}', 1.2e-3),
+    "rubs by an exponential": (f'{{ model = "hunt-crossley", {PRESSED}, {RUBS_SMOOTHLY} }}', 1.2e-3),
     "ends by its force": (
         '{ model = "hertz", stiffness = 2e7, exponent = 1, damping = 60, bush_radius = 0.01 }',
         1.3e-3,

@@ -291,6 +291,9 @@ class RecordedFriction:
         for n in range(len(self.table)):
             lost = m.dry_memory[n, at.DRY_FORCE] * m.dry_memory[n, at.DRY_RATE]
             m.power[at.LOSS_RATE] = m.power[at.LOSS_RATE] - lost
+            if self.table[n, at.DRY_STATES]:  # their rates are those of the forces that came out
+                bears = self._copies.of(dry.bearing.python)(m, n, m.multiplier, at.DRY_FORCE)
+                self._resist(m, n, self._copies.of(dry.pressing.python)(m, n, *bears)[0])
 
     @staticmethod
     def spread(m: SimpleNamespace, forces: Sequence[Operand]) -> None:

@@ -84,6 +84,37 @@ def test_an_elastic_clutch_winds_up():
     assert np.isnan(d[of[2], "T"]).all()  # it never is
 
 
+def test_an_elastic_clutch_lets_go_for_less_than_a_step():
+    """As its drive swings: torques that end and begin again within a step are found at every tolerance."""
+    text = flywheel(', model = "compliant", stiffness = "k"').replace('"speed*t"', '"speed*t + 0.12*sin(100*t)"')
+    m = rt.loads(text)
+    for k in (300.0, 390.0, 400.0, 410.0, 500.0):
+        events = [e.t for e in m.set(k=k).simulate(t_end=0.7, **FINE).events if e.kind == "lock"]
+        assert len(events) > 3
+        for rtol in (1e-7, 1e-11):
+            s = m.set(k=k).sensitivity(["wheel.omega", f"time(free.contacts, {len(events)})"], ["T"], [0.7], rtol=rtol)
+            assert s.success, s.message
+            assert s[f"time(free.contacts, {len(events)})"][0] == pytest.approx(
+                events[-1], abs=1e-4 if rtol > 1e-9 else 1e-7
+            )
+
+
+def test_torques_and_speeds_where_a_clutch_takes_up():
+    """At once, by an impact of its wheel with a stop: a viscous one, and the largest torque of an ideal one."""
+    stop = ', stop = { max = 1.5, min = -9, contact = { model = "impact", restitution = 0.5 } }'
+    m = rt.loads(flywheel(', model = "compliant", stiffness = "k", damping = "c"', start="0", more=stop)).set(T=0.1)
+    of = ["speed(free.contacts, 1)", "peak(free.contacts, 1)", "max(free.torque)"]
+    for name in ("c", "k", "speed"):
+        d = slopes(m, of, [name], [0.0, 0.25])
+        x = m.parameters[name]
+        low, high = (m.set({name: x * (1.0 + way)}).simulate(t_end=0.25, **FINE).events[0] for way in (-1e-4, 1e-4))
+        for output, field in zip(of, ("normal_speed", "peak_force", "peak_force"), strict=True):
+            want = (getattr(high, field) - getattr(low, field)) / (2e-4 * x)
+            assert d[output, name][0] == pytest.approx(want, rel=1e-4, abs=1e-6), (output, name)
+    ideal = slopes(rt.loads(flywheel()), ["peak(free.contacts, 1)"], ["T"], [0.0, 1.0])
+    assert ideal["peak(free.contacts, 1)", "T"][0] == pytest.approx(1.0, rel=1e-8)
+
+
 def test_a_stop_that_the_wheel_hits_while_it_is_driven():
     """The clutch bears no impulse that pulls: it lets the wheel rebound, and drives it again."""
     stop = ', stop = { max = 1.5, min = -9, contact = { model = "impact", restitution = 0.5 } }'

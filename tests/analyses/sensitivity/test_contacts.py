@@ -257,6 +257,18 @@ def test_a_contact_that_is_pressed_again_before_it_opens_ends_the_answer():
     assert "is pressed again before its gap opens" in s.message
 
 
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-11])
+def test_what_comes_after_such_a_contact_is_left_out_at_every_tolerance(rtol):
+    """A block that starts in its damped floor: its force ends, and begins again 7 ms later without any speed."""
+    text = ball('{ model = "hertz", stiffness = 1e4, exponent = 1, damping = 50 }', h=-0.005)
+    m = rt.loads(text).set({"bodies.ball.mass": 2.0, "initial.ball.vy": -0.1})
+    run = m.simulate(0.2, **FINE)
+    ends = run.events[0].t + run.events[0].duration
+    s = m.sensitivity(["ball.y"], ["h"], [0.0, 0.5 * ends, ends + 0.004, 0.2], rtol=rtol)
+    assert "is pressed again before its gap opens" in s.message
+    assert len(s["ball.y"]) == 2
+
+
 def test_a_contact_that_does_not_come_is_told():
     s = rt.loads(ball()).sensitivity(["time(rail.contacts, 9)"], ["h"], [0.0, 1.0])
     assert "time(rail.contacts, 9) does not come until t = 1 s" in s.trust.notes

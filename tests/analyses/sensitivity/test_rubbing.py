@@ -136,6 +136,58 @@ def test_derivatives_are_those_of_runs_beside(name):
     assert found.stats["switchings"] > 0
 
 
+@pytest.mark.parametrize("law", ["lugre", "dahl", "threlfall"])
+def test_friction_of_joints_by_laws(law):
+    m = rt.loads(f"""
+format = 1
+gravity = [0, -9.81]
+parameters = {{ mu = 0.2, w = 3.0 }}
+ground.points.O = [0, 0]
+bodies.arm = {{ points = {{ A = [-0.2, 0] }}, mass = 1, inertia = 0.02 }}
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "arm.A"]
+friction = {{ model = "{law}", mu = "mu", pin_radius = 0.02 }}
+[initial]
+arm = {{ angle = 0, omega = "w" }}
+""")
+    assert_as_beside(m, ["arm.angle", "arm.omega"], [0.3, 0.8], rel=2e-4, share=1e-4)
+
+
+def test_a_wheel_that_a_belt_breaks_loose_at_once():
+    """By the damping of the belt: Tf lessens what speeds it up from the first instant on."""
+    m = rt.loads("""
+format = 1
+gravity = [0, 0]
+parameters = { w = 5.0, Tf = 0.1 }
+ground.points = { O = [0, 0], Q = [0.5, 0] }
+bodies.motor = { points = { C = [0, 0] }, mass = 2, inertia = 0.03 }
+bodies.wheel = { points = { C = [0, 0] }, mass = 2, inertia = 0.01 }
+joints.O = { type = "revolute", connect = ["ground.O", "motor.C"] }
+joints.Q = { type = "revolute", connect = ["ground.Q", "wheel.C"], friction = { torque = "Tf" } }
+[joints.belt]
+type = "belt"
+connect = ["motor.C", "wheel.C"]
+radii = [0.05, 0.1]
+stiffness = 2000
+damping = 10
+pretension = 100
+toothed = true
+[initial]
+motor = { angle = 0, omega = "w" }
+wheel = { angle = 0, omega = 0 }
+""")
+    found = assert_as_beside(m, ["wheel.omega"], [0.0, 1e-6, 0.01])
+    assert slopes(found, "wheel.omega")[1] == pytest.approx([1e-5, -1e-4], rel=1e-3)
+    assert slopes(m.sensitivity(["Q.friction"], ["Tf"], t_eval=[0.0, 0.01]), "Q.friction")[:, 0] == pytest.approx(-1.0)
+
+
+def test_a_load_that_grows_with_the_square_of_a_speed_from_rest():
+    """Its sign turns with a rate that begins with the square of time, or rests at zero on a stop."""
+    m = rt.loads(block(HOLDS, "-F*t - 0.5*block.vx*abs(block.vx)")).set({"initial.block.vx": 0.0})
+    assert_as_beside(m, ["block.x", "block.vx"], [0.5, 1.5])
+
+
 def test_numbers_of_the_whole_run():
     m = rt.loads(block(HOLDS, "F*sin(6*t)"))
     outputs = ["max(block.x)", "mean(block.vx)", "rms(block.vx)", "first(block.vx < 0.1)", "max(abs(rail.friction))"]

@@ -58,7 +58,8 @@ def threlfall(u, N, z, p, k, dz):
     """Friction force [N] of `Threlfall`."""
     if N <= 0.0:
         return 0.0
-    return p[k] * N * math.copysign(-math.expm1(-3.0 * min(abs(u) / p[k + 1], 1.0)), u)
+    half = math.tanh(1.5 * min(abs(u) / p[k + 1], 1.0))  # 1 - exp(-x) = 2 tanh(x/2)/(1 + tanh(x/2))
+    return p[k] * N * math.copysign(2.0 * half / (1.0 + half), u)
 
 
 @kernel("friction")

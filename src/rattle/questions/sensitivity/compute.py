@@ -21,6 +21,7 @@ from rattle.analyses.straight_line.machine_code import MachineFunctions
 from rattle.analyses.straight_line.recorded_model import BESIDE, RecordedModel, record_model, require_parameters
 from rattle.equations.system import System
 from rattle.errors import InputError, SolverError, TraceError, suggest
+from rattle.jit import layout as at
 from rattle.language.recorded import Operand
 from rattle.questions.equilibrium.compute import equilibria
 from rattle.questions.equilibrium.quasistatic import quasistatic
@@ -177,8 +178,9 @@ def _recorded(
 ) -> RecordedModel:  # fmt: skip
     """The recorded model.  Raises TraceError with what can be done, also where a parameter changes its parts."""
     try:
+        states = bool(system.arrays["dry"][:, at.DRY_STATES].any())  # of friction in joints
         model = record_model(
-            document, system, begin, parameters, contacts=in_time and system.turns, beside=beside,
+            document, system, begin, parameters, contacts=in_time and (system.turns or states), beside=beside,
             crowded=crowded,
         )  # fmt: skip
     except TraceError as error:
