@@ -27,9 +27,10 @@ from rattle.questions.equilibrium.compute import equilibria
 from rattle.questions.equilibrium.quasistatic import quasistatic
 from rattle.questions.kinematics.compute import analyse, instants
 from rattle.questions.sensitivity.at_rest import AtRest, record_rest
-from rattle.questions.sensitivity.contacts import CROWDED, ContactMotion
+from rattle.questions.sensitivity.contacts import ContactMotion
 from rattle.questions.sensitivity.driven import Driven, positions
 from rattle.questions.sensitivity.effects import derivative_name, quotient, usual_change
+from rattle.questions.sensitivity.events import CROWDED
 from rattle.questions.sensitivity.functions import Functions
 from rattle.questions.sensitivity.growth import growth, horizon, linear_until
 from rattle.questions.sensitivity.motion import UNSOUND, Motion

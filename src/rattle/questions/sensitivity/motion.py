@@ -133,6 +133,9 @@ class Motion:
             self.message = f"stopped at t = {self.t:.6g} s: {NO_WAY}"
             return
         if self._accept(step, t_new, projected, rates):
+            if self.functions.still.any():
+                self.functions.still[:] = False
+                self._rates = self.functions.rates(self.t, self.z)
             self.h = h if self._near else longer(h, error, POWER, SAFETY)
             self._near = max(0, self._near - 1)
 

@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rattle.errors import TraceError
-from rattle.questions.sensitivity.contacts import ContactMotion, Met
+from rattle.questions.sensitivity.contacts import ContactMotion
+from rattle.questions.sensitivity.events import Met
 from rattle.questions.sensitivity.motion import Moment, Motion
 from rattle.results.event import Event
 from rattle.results.reductions import Output, needed_instants

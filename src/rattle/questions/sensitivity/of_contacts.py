@@ -12,7 +12,8 @@ from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.equations.system import System
 from rattle.errors import InputError, TraceError
 from rattle.language.syntax import Name
-from rattle.questions.sensitivity.contacts import ContactMotion, Met
+from rattle.questions.sensitivity.contacts import ContactMotion
+from rattle.questions.sensitivity.events import Met
 from rattle.results.columns import geometry
 from rattle.results.event import Event
 from rattle.results.reductions import OF_CONTACT, Known, Reduction, meetings, read
