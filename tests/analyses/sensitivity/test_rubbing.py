@@ -177,6 +177,7 @@ toothed = true
 motor = { angle = 0, omega = "w" }
 wheel = { angle = 0, omega = 0 }
 """)
+    assert m.set(w=0.0).sensitivity(["wheel.omega"], ["w", "Tf"], t_eval=[0.01]).success  # the belt rests
     found = assert_as_beside(m, ["wheel.omega"], [0.0, 1e-6, 0.01])
     assert slopes(found, "wheel.omega")[1] == pytest.approx([1e-5, -1e-4], rel=1e-3)
     assert slopes(m.sensitivity(["Q.friction"], ["Tf"], t_eval=[0.0, 0.01]), "Q.friction")[:, 0] == pytest.approx(-1.0)
@@ -186,6 +187,11 @@ def test_a_load_that_grows_with_the_square_of_a_speed_from_rest():
     """Its sign turns with a rate that begins with the square of time, or rests at zero on a stop."""
     m = rt.loads(block(HOLDS, "-F*t - 0.5*block.vx*abs(block.vx)")).set({"initial.block.vx": 0.0})
     assert_as_beside(m, ["block.x", "block.vx"], [0.5, 1.5])
+    rests = rt.loads(between_stops("F - 0.5*block.vx*abs(block.vx)", restitution=0.3))
+    found = rests.sensitivity(["block.x", "rail.stop"], ["F", "mu"], t_eval=[0.05, 1.5])
+    assert found.success, found.message
+    assert slopes(found, "block.x")[-1] == pytest.approx([0.0, 0.0], abs=1e-9)
+    assert slopes(found, "rail.stop")[-1, 0] == pytest.approx(-1.0, rel=1e-6)
 
 
 def test_numbers_of_the_whole_run():

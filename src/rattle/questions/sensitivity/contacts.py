@@ -107,7 +107,8 @@ class ContactMotion(Events):
         strains = touching.strains(self.t, z, self._rates.values[:, 0]) if len(those) else np.zeros((0, 0))
         for n in those[those < touching.contacts].tolist():
             approaches = seen.rate[n] < 0.0
-            if seen.rate[n] == 0.0 and np.abs(seen.by_rate[n]).max(initial=0.0) > NOT_OPEN:
+            either = seen.rate[n] == 0.0 and np.abs(seen.by_rate[n]).max(initial=0.0) > NOT_OPEN
+            if either and touching.knows_speed(n):
                 continue  # it may approach, or may not
             speed = -float(seen.rate[n]) if approaches else 0.0
             by_speed = -seen.by_rate[n] if approaches else np.zeros_like(seen.by_rate[n])

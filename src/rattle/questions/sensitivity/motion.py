@@ -71,7 +71,7 @@ class Motion:
         self.wall = 0.0
         self._lifting = weight(system)[0]  # [J]
         self._longest = math.inf  # step that shows all that happens [s]
-        self._beyond: Rates | None = None  # on another side of a switch, at the end of the last step that failed there
+        self._beyond: Rates | None = None  # on another side of a switch, in the last step that failed there
         self._crawls = 0  # steps one after the other that make no way
         self._near = 0  # steps that must not become longer, because a switch was found ahead
         self._turnover = np.array([0.0, math.inf, -math.inf, 0.0])  # kinetic, least and most potential, work [J]
@@ -110,8 +110,9 @@ class Motion:
         h = min(self.h, self._longest)
         last = 1.000001 * h >= ahead
         h = ahead if last else h
-        step, trouble = try_step(self.functions, self.t, h, self.z, self._rates)
+        step, trouble, last_rates = try_step(self.functions, self.t, h, self.z, self._rates)
         if trouble:
+            self._beyond = last_rates if trouble == "sides" else self._beyond
             self._shorten(trouble, h, 0.5)
             return
         error = self.tolerance.error(step.z, step.z_new, h, step.slopes)

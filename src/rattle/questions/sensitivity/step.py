@@ -85,15 +85,17 @@ class Step:
         return states
 
 
-def try_step(functions: Functions, t: float, h: float, z: np.ndarray, first: Rates) -> tuple[Step, str]:
-    """A step of length h [s], and why it cannot be accepted: "", "sides" (a switch), or "sound"."""
+def try_step(functions: Functions, t: float, h: float, z: np.ndarray, first: Rates) -> tuple[Step, str, Rates]:
+    """A step of length h [s], why it cannot be accepted: "", "sides" (a switch), or "sound", and the last rates that it
+    has looked at."""
     slopes = np.empty((STAGES, *z.shape))
     slopes[0] = first.values
+    rates = first
     for s in range(1, STAGES):
         rates = functions.rates(t + C[s] * h, z + h * weighted(A[s, :s], slopes[:s]))
         slopes[s] = rates.values
         if not (rates.sound and np.isfinite(rates.values).all()):
-            return Step(t, h, z, z, slopes), "sound"
+            return Step(t, h, z, z, slopes), "sound", rates
         if (rates.sides != first.sides).any():
-            return Step(t, h, z, z, slopes), "sides"
-    return Step(t, h, z, z + h * weighted(B, slopes), slopes), ""
+            return Step(t, h, z, z, slopes), "sides", rates
+    return Step(t, h, z, z + h * weighted(B, slopes), slopes), "", rates

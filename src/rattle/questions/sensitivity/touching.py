@@ -107,6 +107,11 @@ class Touching:
         first = state_layout(self.functions.model.system).states.start + table[n, at.FIRST_STATE]
         return slice(first, first + table[n, at.STATES])
 
+    def knows_speed(self, n: int) -> bool:
+        """Whether the force of contact n depends on the speed at which it began."""
+        graph = self.functions.model.graph
+        return graph.place(self.are.speed[n]) in graph.live(self.functions.model.derivative[:-1])
+
     def _hold(self, held: HeldFunctions, compile_function: Compile) -> None:
         """Functions of rigid contacts."""
         self._places = [n for n in held.numbers if n < self.contacts and self.are.rigid[n]]
