@@ -404,6 +404,12 @@ def test_a_one_way_clutch_takes_and_lets_go(clutch):
     assert_alike(shafts(clutch, load="T*cos(6*t)"), {"w": np.array([-1.0, 0.0, 0.5])}, outputs, 2.0, abs=1e-8)
 
 
+@pytest.mark.parametrize("clutch", CLUTCHES[3:5])
+def test_an_elastic_clutch_that_is_outrun_at_the_start(clutch):
+    m = shafts(clutch).set({"initial.one.omega": 1.5})
+    assert_alike(m, {"T": np.array([1.0, 2.0])}, ["final(two.omega)", "count(way.contacts)", LOST], 1.0, abs=1e-8)
+
+
 @pytest.mark.parametrize("clutch", CLUTCHES)
 def test_a_clutch_whose_rates_jump(clutch):
     """One shaft hits stops, which may let the clutch take, or let go."""

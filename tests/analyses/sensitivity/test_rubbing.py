@@ -194,6 +194,15 @@ def test_a_load_that_grows_with_the_square_of_a_speed_from_rest():
     assert slopes(found, "rail.stop")[-1, 0] == pytest.approx(-1.0, rel=1e-6)
 
 
+def test_what_rests_on_its_stop_with_several_kinks_at_zero():
+    threlfall = '{ model = "threlfall", mu = "mu" }'
+    stop = 'stop = { min = -0.3, max = 0.25, contact = { model = "impact", restitution = 0 } }'
+    m = rt.loads(block(threlfall, "2*F*sin(5*t)/10 - 2.6*block.vx*abs(block.vx)", stop)).set(v=-1.8)
+    found = m.sensitivity(["block.x"], ["F"], t_eval=[0.1, 1.5])
+    assert found.success, found.message
+    assert found.stats["steps"] < 5000
+
+
 def test_numbers_of_the_whole_run():
     m = rt.loads(block(HOLDS, "F*sin(6*t)"))
     outputs = ["max(block.x)", "mean(block.vx)", "rms(block.vx)", "first(block.vx < 0.1)", "max(abs(rail.friction))"]

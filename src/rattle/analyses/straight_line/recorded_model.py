@@ -502,12 +502,26 @@ def _require_recorded(model: RecordedModel, other: System, values: Mapping[str, 
         raise TraceError(f"numbers of a joint, a load or a law of contact cannot be followed {where}")
 
 
+def _let_clutches_drive(system: System, workspace: SimpleNamespace, y: np.ndarray) -> None:
+    """Viscous and elastic clutches drive whose driving bodies are the faster ones at y, as `_at` has it."""
+    contact = system.arrays["contact"]
+    soft = (contact[:, at.LEVEL] == 1) & (contact[:, at.IMPACT] == 0)
+    if soft.any():
+        nq = 3 * system.body_count
+        with np.errstate(all="ignore"):
+            place_bodies.python(workspace, y[:nq].copy(), y[nq : 2 * nq].copy())
+            locate_contacts.python(workspace)
+        ahead = workspace.contact_kinematics[:, at.DGAP] < 0.0
+        workspace.contact_memory[soft, at.CLOSED] = np.where(ahead, at.SHUT, at.OPEN)[soft]
+
+
 def _require_equal(
     model: RecordedModel, system: System, y: np.ndarray, modes: np.ndarray, outputs: np.ndarray, where: str
 ) -> None:
     t, rate, row = model.start.t, np.zeros_like(y), np.zeros(width(system))
     workspace = system.plain_workspace()
     workspace.contact_kinematics[_end_at_points(system), at.PHASE] = at.HELD
+    _let_clutches_drive(system, workspace, y)
     if len(modes):
         rubs = np.flatnonzero(system.arrays["dry"][:, at.DRY_LAW] < 0)
         workspace.dry_memory[rubs, at.DRY_MODE] = modes[: len(rubs)]

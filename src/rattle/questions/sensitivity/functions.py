@@ -14,6 +14,7 @@ from rattle.questions.sensitivity.parameters import Parameters
 from rattle.trace.known_signs import SHALLOW
 from rattle.trace.lane_program import Compile
 
+RESTS = 1e-12  # value [SI] of a switching function that may be rounding, as the rate of what rests
 ENERGIES = ("kinetic", "potential", "work", "dissipated")
 
 
@@ -137,6 +138,13 @@ class Functions:
         assert self._margins is not None
         _, slopes = self._margins(*self.directions(t, z, rate))
         return slopes[:, :-1], slopes[:, -1]
+
+    def let_rest(self, t: float, z: np.ndarray, some: np.ndarray) -> bool:
+        """Leave switching functions (ns,) of these aside that are rounding at t [s] and z; False if there are none."""
+        assert self._margins is not None
+        values, _ = self._margins(*self.at(t, z))
+        self.still[:] = some & (np.abs(values) <= RESTS)
+        return bool(self.still.any())
 
     def directions(self, t: float, z: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Inputs (n_in,), and how they change with each parameter and, last, in time (n_in, k + 1); rate: dy/dt."""

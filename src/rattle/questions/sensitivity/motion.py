@@ -35,6 +35,7 @@ ALIKE = 1e-9  # share of the right-hand side by which both sides of a switch may
 BESIDE = 4.0  # the other side of a switch is looked for so many shortest steps further, then twice as many ...
 DOUBLINGS = 20
 CRAWLS, MOST_CRAWLS = 1e-11, 2000  # share of the run that a step makes no way by, and such tries in a row
+MOST_PASSES = 10  # switches in a row that make no way, before it is looked whether the motion rests there
 DRIFTS = 8.0  # by so much more than in half the way to it the right-hand side changes beyond a jump
 INSIDE, ROWS = 8, 1000  # parts of a step at whose ends curves are kept, at least, and parts of the run
 NEAR = 3  # a step is halved where a switch lies inside: it is met within two such steps
@@ -72,6 +73,7 @@ class Motion:
         self._lifting = weight(system)[0]  # [J]
         self._longest = math.inf  # step that shows all that happens [s]
         self._beyond: Rates | None = None  # on another side of a switch, in the last step that failed there
+        self._passes, self._passed_at = 0, -math.inf  # switches one after the other that make no way
         self._crawls = 0  # steps one after the other that make no way
         self._near = 0  # steps that must not become longer, because a switch was found ahead
         self._turnover = np.array([0.0, math.inf, -math.inf, 0.0])  # kinetic, least and most potential, work [J]
@@ -134,8 +136,9 @@ class Motion:
             self.message = f"stopped at t = {self.t:.6g} s: {NO_WAY}"
             return
         if self._accept(step, t_new, projected, rates):
-            if self.functions.still.any():
-                self.functions.still[:] = False
+            still = self.functions.still.copy()
+            if still.any():
+                self.functions.let_rest(self.t, self.z, still)
                 self._rates = self.functions.rates(self.t, self.z)
             self.h = h if self._near else longer(h, error, POWER, SAFETY)
             self._near = max(0, self._near - 1)
@@ -171,6 +174,13 @@ class Motion:
     def _cross(self) -> None:
         """Pass the switch that the motion has come to: by so much that rounding does not turn it back."""
         before, t, z = self._rates, self.t, self.z
+        self._passes = self._passes + 1 if self.t - self._passed_at <= CRAWLS * self.t_end else 0
+        self._passed_at = self.t
+        if self._passes > MOST_PASSES and self._is_at_rest():
+            return
+        if self._passes > MOST_CRAWLS:
+            self.message = f"stopped at t = {self.t:.6g} s: {self._names} switches back and forth there"
+            return
         words, ahead = "touches its switch there and turns back", BESIDE * TOO_SHORT * self.t_end
         drift = 0.0  # of the right-hand side on this side of the switch
         for _ in range(DOUBLINGS):
@@ -197,10 +207,9 @@ class Motion:
         if beyond is None:
             return False
         off, size = (np.abs(x[:, 0]).max() for x in (beyond.values - before.values, before.values))
-        flips = beyond.sides != before.sides
-        if off > ALIKE * size or not flips.any():
+        flips = (beyond.sides != before.sides) | self.functions.still
+        if off > ALIKE * size or not self.functions.let_rest(self.t, self.z, flips):
             return False
-        self.functions.still |= flips
         self._rates, self.h, self._near = self.functions.rates(self.t, self.z), RESTART * self.t_end, 0
         return True
 

@@ -62,6 +62,8 @@ def require_same_contacts(model: RecordedModel, run: ContactMotion, reach: float
     # contacts at their instants, also where the model says a method of equal steps
     method = "event" if run.touching.are.rigid.any() else "dop853"
     alone = simulate(model.system, model.start, t_end=end, t_eval=[0.0, end], method=method, rtol=rtol, atol=atol)
+    if not (alone.success or run.message):
+        raise TraceError(f"no sensitivities: a run without derivatives does not come to its end: {alone.message}")
     if run.touching.rubbing is not None and reach >= end:
         _require_same_end(model, run, alone)
     begins = _begins(run, alone)
