@@ -31,6 +31,7 @@ from rattle.equations.system import System, compile_system
 from rattle.errors import ModelError, TraceError, suggest
 from rattle.interfaces.steppers import StepperKind
 from rattle.jit import layout as at
+from rattle.jit.workspace import Workspace
 from rattle.language.bytecode import SIDE
 from rattle.language.recorded import Flag, Operand, Recorded, symbol_of
 from rattle.results.columns import columns, width
@@ -502,7 +503,7 @@ def _require_recorded(model: RecordedModel, other: System, values: Mapping[str, 
         raise TraceError(f"numbers of a joint, a load or a law of contact cannot be followed {where}")
 
 
-def _let_clutches_drive(system: System, workspace: SimpleNamespace, y: np.ndarray) -> None:
+def _let_clutches_drive(system: System, workspace: Workspace, y: np.ndarray) -> None:
     """Viscous and elastic clutches drive whose driving bodies are the faster ones at y, as `_at` has it."""
     contact = system.arrays["contact"]
     soft = (contact[:, at.LEVEL] == 1) & (contact[:, at.IMPACT] == 0)
