@@ -337,8 +337,8 @@ def note_decision(m, t, told):
 def breaking_force(m, n):
     """Friction that joint n does not bear any more: of the sense that it was found with where it is rounding here."""
     memory = m.dry_memory
-    found = memory[n, at.DRY_SOUGHT]
-    return memory[n, at.DRY_FORCE] if found == 0.0 or abs(memory[n, at.DRY_FORCE]) > limit(m, n) else found
+    sought = memory[n, at.DRY_SOUGHT]
+    return memory[n, at.DRY_FORCE] if sought == 0.0 or abs(memory[n, at.DRY_FORCE]) > limit(m, n) else sought
 
 
 @native("i", "h", "f", "v", "i", "i")

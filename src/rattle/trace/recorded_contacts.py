@@ -21,6 +21,7 @@ from rattle.jit import families
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.language.recorded import Operand, Recorded, bare, symbol_of
+from rattle.solvers.contacts.clutches import most_torque
 from rattle.solvers.contacts.contact_events import GAUSS, WEIGHTS
 from rattle.solvers.contacts.gap_search import rate_rounding
 from rattle.solvers.nonsmooth.impact_phases import NEWTON, POISSON
@@ -107,7 +108,7 @@ class RecordedContacts:
         reasons = [(has(entry[k]), CONTACTS.format(words)) for k, words, has in UNABLE]
         reasons += self._unable_kinds(entry)
         if self.rigid[n]:
-            reasons += self._unable_impacts(entry, values)
+            reasons += self._unable_impacts(entry, values, bool(self.limited[n]))
         why = next((words for holds, words in reasons if holds), None)
         if why is not None:
             raise TraceError(why.format(f"joint {joint}"))
@@ -116,22 +117,17 @@ class RecordedContacts:
         """What may keep a contact from being recorded, and why, whether it is compliant or rigid; {} is its joint."""
         return [(bool(entry[at.TOOTHED]) and not self.lanes, "a ratchet ({}) has no derivatives")]
 
-    def _unable_impacts(self, entry: np.ndarray, values: np.ndarray) -> list[tuple[bool, str]]:
-        """The same of a rigid one."""
+    def _unable_impacts(self, entry: np.ndarray, values: np.ndarray, limited: bool) -> list[tuple[bool, str]]:
+        """The same of a rigid one; limited: it is a clutch with a largest torque."""
         first, friction, clutch = entry[at.NORMAL_P], self.rubbing, bool(entry[at.LEVEL] or entry[at.TOOTHED])
         law = values[first + at.RESTITUTION_LAW]
-        limited = bool(entry[at.LEVEL]) and not _is(values[first + at.MOST_TORQUE], math.inf) and not self.lanes
         rubs, takes_part = friction is not None and bool(friction.rubs), friction is not None and friction.takes_part
-        run, runs, do = (
-            ("run side by side", "does not run side by side", "do not run side by side")
-            if self.lanes
-            else ("have derivatives", "has no derivatives", "have no derivatives")
-        )
-        beside = f"impacts ({{}}) beside dry friction of joints {run} with restitution_law"
+        do = "run side by side" if self.lanes else "have derivatives"
+        beside = f"impacts ({{}}) beside dry friction of joints {do} with restitution_law"
         return [
-            (rubs and clutch and self.lanes, f"a clutch ({{}}) beside joints that rub {runs}"),
+            (rubs and clutch and self.lanes, "a clutch ({}) beside joints that rub does not run side by side"),
             (takes_part and not _is(law, NEWTON), f'{beside} = "newton" only'),
-            (limited, f"clutches with max_torque ({{}}) {do}"),
+            (limited and not self.lanes, "clutches with max_torque ({}) have no derivatives"),
         ]
 
     def __len__(self) -> int:
@@ -281,7 +277,7 @@ class RecordedContacts:
 
     def most(self, m: SimpleNamespace, n: int) -> Operand:
         """Largest torque of a clutch [N m]."""
-        torque: Operand = m.values[self.table[n, at.NORMAL_P] + at.MOST_TORQUE]
+        torque: Operand = self._copies.of(most_torque.python)(m, n)
         return torque
 
     def strain(self, m: SimpleNamespace, n: int) -> Operand:

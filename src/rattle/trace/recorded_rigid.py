@@ -34,6 +34,7 @@ from rattle.equations.state import DISSIPATED, IMPULSE, LOSS, WORK, account_at, 
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
 from rattle.language.recorded import Flag, Operand, symbol_of
+from rattle.solvers.contacts.clutches import most_torque
 from rattle.solvers.contacts.gap_search import rate_rounding
 from rattle.solvers.nonsmooth.impact_phases import ENERGETIC, LZB, NEWTON, POISSON
 from rattle.trace.graph import Graph, Symbol, apply, both, select, select_flag, summed
@@ -117,6 +118,11 @@ class _Solution(NamedTuple):
     rubbing: list[Operand]  # forces of joints that rub
     converged: Flag
     problem: _Problem  # with the friction of joints in it
+
+
+def _flat(forces: Iterable[Sequence[Operand]]) -> list[Operand]:
+    """N and T of each slot in turn."""
+    return [x for pair in forces for x in pair]
 
 
 def _value(n: int, slots: Sequence[_Slot], values: Iterable[Operand]) -> Operand:
@@ -251,7 +257,7 @@ class RigidContacts:
                 slips = select(sticks, 0.0, -held * kinematics[n, at.SLIP])
                 kinematics[n, at.LOSS] = select(self.shut[n], slips, 0.0)
         for n, slips in self.slips.items():
-            most = m.values[self.table[n, at.NORMAL_P] + at.MOST_TORQUE]
+            most = self._copies.of(most_torque.python)(m, n)
             kinematics[n, at.NORMAL] = select(slips, most, kinematics[n, at.NORMAL])
             kinematics[n, at.LOSS] = select(slips, -most * kinematics[n, at.DGAP], 0.0)
 
@@ -261,7 +267,7 @@ class RigidContacts:
         kinematics = m.contact_kinematics
         rate, slip = ({n: kinematics[n, column] for n in self.numbers} for column in (at.DGAP, at.SLIP))
         kept = self._in_modes(m, slots, self._right(slots, rate, slip), None, KEPT).forces
-        pulls, flat = self._pulls(m, slots), [x for pair in kept for x in pair]
+        pulls, flat = self._pulls(m, slots), _flat(kept)
         joints = range(len(m.dry_memory))
         return [summed(pull.rates[n] * f for pull, f in zip(pulls, flat, strict=True)) for n in joints]
 
@@ -290,12 +296,12 @@ class RigidContacts:
         converged: Flag = True
         start, before = len(self.graph), list[Operand]()
         for _ in range(1 if what == KEPT else ROUNDS):  # it is linear
-            before = [*tau, *(x for pair in f for x in pair)]
-            shares = self.rubbing.shares(m, joints, pulls, tau, [x for pair in f for x in pair], what)
+            before = [*tau, *_flat(f)]
+            shares = self.rubbing.shares(m, joints, pulls, tau, _flat(f), what)
             problem = self._with_shares(g, right, pulls, shares)
             f = forces(problem)
-            tau, converged = self.rubbing.improved(shares, [x for pair in f for x in pair], tau)
-        self.rubbing.leave_out(range(start, len(self.graph)), [*tau, *(x for pair in f for x in pair)], before)
+            tau, converged = self.rubbing.improved(shares, _flat(f), tau)
+        self.rubbing.leave_out(range(start, len(self.graph)), [*tau, *_flat(f)], before)
         return _Solution(f, tau, converged, problem)
 
     def _with_shares(
@@ -416,7 +422,7 @@ class RigidContacts:
         agree with it."""
         if self.rubbing is None:
             return [], [], True
-        flat = [x for pair in struck for x in pair]
+        flat = _flat(struck)
         turned, agrees = self.rubbing.after_impact(m, self._pulls(m, slots), rubs, flat)
         return turned, [self.rubbing.is_open(m, n) for n in self.rubbing.rubs], agrees
 
@@ -483,7 +489,7 @@ class RigidContacts:
         pulls = [] if joints is None else self._pulls(m, slots)
         mus = [slot.of(self._of(m, at.MU)) if self.rough else 0.0 for slot in slots]
         slides = [slot.of(dict(enumerate(self.slide))) if self.rough else 0.0 for slot in slots]
-        most = {n: m.values[self.table[n, at.NORMAL_P] + at.MOST_TORQUE] for n in self.slips}
+        most = {n: self._copies.of(most_torque.python)(m, n) for n in self.slips}
         mosts = [slot.of({n: most.get(n, 0.0) for n in self.numbers}) for slot in slots]
         tries = []
         for combination in self._combinations(len(slots), lasting):
@@ -491,7 +497,7 @@ class RigidContacts:
             f, rubs, converged, problem = self._solved(m, slots, right, joints, what, formula)
             flags = [converged, *self._conditions(problem, slots, mus, slides, combination, f, lasting)]
             flags += self._within_limits(mosts, combination, f)
-            flat = [x for pair in f for x in pair]
+            flat = _flat(f)
             gains = [summed(x * y for x, y in zip(row, flat, strict=True)) for row in g]
             for r, pull in enumerate(pulls):
                 gains[r] = gains[r] + summed(c * x for c, x in zip(pull.rates, rubs, strict=True))
@@ -516,17 +522,14 @@ class RigidContacts:
         g, w = problem.g, self.width
         unknown = [(k, r) for k, mode in enumerate(combination) for r in range(w)
                    if (mode not in (OFF, LIMIT) and r == 0) or (mode == STICKS and r == 1)]  # fmt: skip
-        known = [(j, mosts[j]) for j, mode in enumerate(combination) if mode == LIMIT]
-        right = {
-            (k, r): problem.right[k][r] - summed(g[w * k + r][w * j] * most for j, most in known) for k, r in unknown
-        }
+        right = self._left_by_limits(mosts, combination, problem)
         rows = []
         for k, r in unknown:
             row = [self._per_unit(g[w * k + r], j, s, combination[j], mus[j]) for j, s in unknown]
             loose = problem.loose[w * k + r]  # what joints hold bears nothing, and stays shut
             own = [1.0 if place == (k, r) else 0.0 for place in unknown]
             rows.append(
-                [*(select(loose, x, y) for x, y in zip(row, own, strict=True)), select(loose, right[k, r], 0.0)]
+                [*(select(loose, x, y) for x, y in zip(row, own, strict=True)), select(loose, right[w * k + r], 0.0)]
             )
         solution = dict(zip(unknown, solved(rows) if rows else [], strict=True))
         f = []
@@ -535,6 +538,12 @@ class RigidContacts:
             tangent = solution[k, 1] if mode == STICKS else self._pull(mode, mus[k]) * normal
             f.append([normal, tangent][:w])
         return f
+
+    def _left_by_limits(self, mosts: list[Operand], combination: Sequence[int], problem: _Problem) -> list[Operand]:
+        """-b by row, less what clutches do that slip at their largest torque."""
+        limits = [(self.width * j, most) for j, most in enumerate(mosts) if combination[j] == LIMIT]
+        right = [b for pair in problem.right for b in pair[: self.width]]
+        return [b - summed(row[j] * most for j, most in limits) for row, b in zip(problem.g, right, strict=True)]
 
     def _per_unit(self, row: list[Operand], j: int, s: int, mode: int, mu: Operand) -> Operand:
         """What a unit of N (s = 0) or T of slot j does, N with the friction of its slip."""
@@ -551,7 +560,7 @@ class RigidContacts:
         self, problem: _Problem, slots: list[_Slot], mus: list[Operand], slides: list[Operand],
         combination: Sequence[int], f: list[list[Operand]], lasting: bool,
     ) -> list[Flag]:  # fmt: skip
-        flat, w = [x for pair in f for x in pair], self.width
+        flat, w = _flat(f), self.width
         right = [x for pair in problem.right for x in pair[:w]]
         after = [
             summed(x * y for x, y in zip(row, flat, strict=True)) - b for row, b in zip(problem.g, right, strict=True)
@@ -635,7 +644,7 @@ class RigidContacts:
         rubbing: list[Operand], rate: dict[int, Operand], slip: dict[int, Operand],
     ) -> Operand:  # fmt: skip
         """Add impulses and losses to the accounts of contacts in a state; the work of all impulses [J]."""
-        g, flat = self._matrix(slots), [x for pair in impulses for x in pair]
+        g, flat = self._matrix(slots), _flat(impulses)
         after = [summed(x * f for x, f in zip(row, flat, strict=True)) for row in g]
         for r, pull in enumerate(self._pulls(m, slots)):
             after[r] = after[r] + summed(c * x for c, x in zip(pull.rates, rubbing, strict=True))

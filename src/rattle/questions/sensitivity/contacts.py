@@ -281,22 +281,13 @@ class ContactMotion(Events):
     def _meet(self, hit: np.ndarray) -> None:
         """What begins or ends at the present instant."""
         touching, n = self.touching, int(hit[0])
-        self._turns = self._turns + 1 if self.t - self._turned_at <= TOO_SHORT * self.t_end else 1
-        self._turned_at = self.t
-        if self._turns > MOST_TURNS:
-            names = ", ".join(dict.fromkeys(touching.joints[n] for n in hit))
-            self.message = f"stopped at t = {self.t:.6g} s: contacts begin and end there without end ({names})"
-            return
         rubs = hit[(hit >= touching.contacts) & (hit < touching.slides)]
         others = np.setdiff1d(hit, rubs)
         rigid = bool(((others >= touching.slides) | touching.rigid[others]).all())
-        if len(hit) > 1 and not (rigid and self._are_one(hit, others)):
+        trouble = self._trouble(hit, others, rigid)
+        if trouble:
             names = ", ".join(dict.fromkeys(touching.joints[n] for n in hit))
-            self.message = f"stopped at t = {self.t:.6g} s: several contacts begin or end there at once ({names})"
-            if len(others) == 0:
-                self.message = (
-                    f"stopped at t = {self.t:.6g} s: several joints begin to slip or to stick at once ({names})"
-                )
+            self.message = f"stopped at t = {self.t:.6g} s: {trouble} ({names})"
             return
         shift = self._shift_of(n)
         self._keep_moment(shift)
@@ -317,6 +308,19 @@ class ContactMotion(Events):
             self.h, self._near = RESTART * self.t_end, 0
             self.switched += 1
             self._limit_steps()
+
+    def _trouble(self, hit: np.ndarray, others: np.ndarray, rigid: bool) -> str:
+        """Why rows that turn at the present instant cannot be followed; "" if they can.  others: those of contacts, and
+        whether all of them are rigid."""
+        self._turns = self._turns + 1 if self.t - self._turned_at <= TOO_SHORT * self.t_end else 1
+        self._turned_at = self.t
+        if self._turns > MOST_TURNS:
+            return "contacts begin and end there without end"
+        if len(hit) == 1 or (rigid and self._are_one(hit, others)):
+            return ""
+        if len(others):
+            return "several contacts begin or end there at once"
+        return "several joints begin to slip or to stick at once"
 
     def _are_one(self, hit: np.ndarray, others: np.ndarray) -> bool:
         """Whether all rows turn at one instant whatever the parameters, and rigid contacts, which are those that are

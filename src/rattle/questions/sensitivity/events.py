@@ -269,27 +269,34 @@ class Events(Motion):
     def _settle(self, those: list[int], slide: np.ndarray, shift: np.ndarray) -> None:
         """Rigid contacts last from here on, sticking or slipping, or let go, and joints that rub have modes in which
         they fit the forces at the present instant; slide: senses in which contacts slip."""
-        touching = self.touching
-        others, changes = self._combinations(), 0
-        while True:
+        others = self._combinations()
+        for changes in itertools.count(1):
             blow = self._decide(those, slide, shift) if those else None
-            if self.message or touching.rubbing is None or self._seen.rubbed is None:
+            if self.message or self.touching.rubbing is None or self._seen.rubbed is None:
                 return
-            modes, known = touching.rubbing.settled(self._seen.rubbed), blow is None or blow.agreed == 1.0
-            if known and np.array_equal(modes, touching.rubbing.modes):
-                return
-            changes += 1
-            if blow is not None and (not known or changes >= MOST_CHANGES):
-                moving, other = self._moving(), next(others, None)
-                if other is None:
-                    break
-                modes = np.where(moving != 0.0, moving, np.where(blow.free, other, modes))
-            if blow is None and changes >= MOST_MODES:
+            modes = self._next_modes(self.touching.rubbing.settled(self._seen.rubbed), blow, changes, others)
+            if modes is None:
                 break
+            if np.array_equal(modes, self.touching.rubbing.modes) and (blow is None or blow.agreed == 1.0):
+                return
             self._rub(modes, shift)
             if self.message:
                 return
         self.message = f"stopped at t = {self.t:.6g} s: joints that rub stick and slip to and fro there without end"
+
+    def _next_modes(
+        self, settled: np.ndarray, blow: Blow | None, changes: int, others: Iterator[np.ndarray]
+    ) -> np.ndarray | None:
+        """Modes (n,) of joints that rub to be tried next: those that forces lead to, `settled`, or beside contacts that
+        find no answer in these, or after many changes, one combination after the other; None if there are no more."""
+        if blow is None:
+            return settled if changes <= MOST_MODES else None
+        fits = blow.agreed == 1.0
+        assert self.touching.rubbing is not None, "some rub"
+        if fits and (changes < MOST_CHANGES or np.array_equal(settled, self.touching.rubbing.modes)):
+            return settled
+        moving, other = self._moving(), next(others, None)
+        return None if other is None else np.where(moving != 0.0, moving, np.where(blow.free, other, settled))
 
     def _end_modes(self, hit: np.ndarray, shift: np.ndarray) -> None:
         """Joints that rub come to the ends of their modes."""

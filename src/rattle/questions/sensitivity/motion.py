@@ -122,26 +122,29 @@ class Motion:
             self._shorten("error", h, shorter(1.0, error, POWER, SAFETY))
             return
         t_new = self.t_end if last else self.t + h
-        projected, sound = self.functions.projected(t_new, step.z_new)
-        rates = self.functions.rates(t_new, projected) if sound else self._rates
-        if not (sound and rates.sound and np.isfinite(rates.values).all()):
-            self._shorten("sound", h, 0.5)
-            return
-        if (rates.sides != self._rates.sides).any():
-            self._beyond = rates
-            self._shorten("sides", h, 0.5)
+        projected, rates, trouble = self._end_of(step, t_new)
+        if trouble:
+            self._beyond = rates if trouble == "sides" else self._beyond
+            self._shorten(trouble, h, 0.5)
             return
         self._crawls = self._crawls + 1 if h <= CRAWLS * self.t_end else 0
         if self._crawls > MOST_CRAWLS:
             self.message = f"stopped at t = {self.t:.6g} s: {NO_WAY}"
-            return
-        if self._accept(step, t_new, projected, rates):
+        elif self._accept(step, t_new, projected, rates):
             still = self.functions.still.copy()
             if still.any():
                 self.functions.let_rest(self.t, self.z, still)
                 self._rates = self.functions.rates(self.t, self.z)
             self.h = h if self._near else longer(h, error, POWER, SAFETY)
             self._near = max(0, self._near - 1)
+
+    def _end_of(self, step: Step, t_new: float) -> tuple[np.ndarray, Rates, str]:
+        """The state at the end of a step, its rates, and why it cannot be accepted, as of `try_step`."""
+        projected, sound = self.functions.projected(t_new, step.z_new)
+        rates = self.functions.rates(t_new, projected) if sound else self._rates
+        if not (sound and rates.sound and np.isfinite(rates.values).all()):
+            return projected, rates, "sound"
+        return projected, rates, "sides" if (rates.sides != self._rates.sides).any() else ""
 
     def _accept(self, step: Step, t_new: float, z: np.ndarray, rates: Rates) -> bool:
         """Take a step; True if the next one may be chosen by its error."""
