@@ -194,6 +194,22 @@ def test_a_load_that_grows_with_the_square_of_a_speed_from_rest():
     assert slopes(found, "rail.stop")[-1, 0] == pytest.approx(-1.0, rel=1e-6)
 
 
+@pytest.mark.parametrize(
+    "load", ["F*t - block.vx*abs(block.vx)", "-F*t - block.vx*abs(block.vx)", "F*t - abs(block.vx)"]
+)
+def test_a_load_that_begins_at_zero_with_a_kink_in_the_speed(load):
+    threlfall = '{ model = "threlfall", mu = "mu", vr = 0.1 }'
+    m = rt.loads(block(threlfall, load)).set({"initial.block.vx": 0.0})
+    assert_as_beside(m, ["block.x"], [0.2, 0.4])
+    if not load.startswith("-"):  # it presses on its stop
+        stop = 'stop = { min = -0.3, max = 0.25, contact = { model = "impact", restitution = 0 } }'
+        rests = rt.loads(block(threlfall, load, stop, x=0.25)).set({"initial.block.vx": 0.0})
+        found = rests.sensitivity(["block.x", "rail.stop"], ["F"], t_eval=[0.0, 0.4])
+        assert found.success, found.message
+        assert slopes(found, "block.x")[-1, 0] == pytest.approx(0.0, abs=1e-12)
+        assert slopes(found, "rail.stop")[-1, 0] == pytest.approx(-0.4, rel=1e-9)
+
+
 def test_what_rests_on_its_stop_with_several_kinks_at_zero():
     threlfall = '{ model = "threlfall", mu = "mu" }'
     stop = 'stop = { min = -0.3, max = 0.25, contact = { model = "impact", restitution = 0 } }'

@@ -190,28 +190,27 @@ class Motion:
             slope = before.values
             after = self.functions.rates(t + ahead, z + ahead * slope)
             if (after.sides == before.sides).all():  # what begins at rest moves by its acceleration
+                drift = float(np.abs(after.values[:, 0] - before.values[:, 0]).max())
                 slope = 0.5 * (before.values + after.values)
                 after = self.functions.rates(t + ahead, z + ahead * slope)
             if (after.sides != before.sides).any():
                 words = "switches back and forth there"
                 if self._pass(after, ahead, slope, drift) or self.message:
                     return
-            else:
-                drift = float(np.abs(after.values[:, 0] - before.values[:, 0]).max())
             ahead *= 2.0
-        if self._is_at_rest():
+        if self._is_at_rest(drift):
             return
         self.message = f"stopped at t = {t:.6g} s: {self._names} {words}"
 
-    def _is_at_rest(self) -> bool:
+    def _is_at_rest(self, drift: float = 0.0) -> bool:
         """Whether expressions only seem to switch where the motion is, as what rests on a kink turns by rounding: they
-        are left aside then."""
+        are left aside then.  drift: by how much the right-hand side changes soon."""
         before, beyond = self._rates, self._beyond
         if beyond is None:
             return False
         off, size = (np.abs(x[:, 0]).max() for x in (beyond.values - before.values, before.values))
         flips = (beyond.sides != before.sides) | self.functions.still
-        if off > ALIKE * size or not self.functions.let_rest(self.t, self.z, flips):
+        if off > max(ALIKE * size, drift) or not self.functions.let_rest(self.t, self.z, flips):
             return False
         self._rates, self.h, self._near = self.functions.rates(self.t, self.z), RESTART * self.t_end, 0
         return True

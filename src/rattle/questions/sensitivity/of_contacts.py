@@ -90,8 +90,8 @@ def _require_same_end(model: RecordedModel, run: ContactMotion, alone: Result) -
     want, got = np.array([alone[name][-1] for name in names]), run.z[: len(names), 0]
     if (np.abs(got - want) > SAME * max(1.0, float(np.abs(want).max(initial=0.0)))).any():
         raise TraceError(
-            "no sensitivities: joints stick and slip otherwise than in a run without derivatives; a smaller rtol may"
-            " help"
+            "no sensitivities: joints stick and slip otherwise than in a run without derivatives; compare two runs with"
+            " set()"
         )
 
 
