@@ -162,17 +162,23 @@ def test_dask_gives_the_same_bits_also_when_a_worker_is_killed(forty, scheduler,
 def test_a_result_whose_worker_is_killed_before_it_is_fetched_is_made_again(scheduler, tmp_path):
     from distributed import Client
 
-    written, gate = tmp_path / "written", threading.Event()
+    written, fetching, gate = tmp_path / "written", threading.Event(), threading.Event()
+
+    def hold(_):  # nothing else is fetched meanwhile
+        fetching.set()
+        gate.wait(60.0)
+
     with Client(scheduler, set_as_default=False) as client:
         victims = client.run(os.getpid).values()
     with engines.engine(None, scheduler, None) as found:
         try:
-            found.executor.submit(abs, -1).add_done_callback(lambda _: gate.wait(60.0))  # nothing is fetched meanwhile
+            found.executor.submit(abs, -1).add_done_callback(hold)
+            assert fetching.wait(60.0)
             outcome = found.executor.submit(Path.write_text, written, "three")
             appears(written)
+            written.unlink()  # before another worker can make it again
             for victim in victims:
                 os.kill(victim, signal.SIGKILL)
-            written.unlink()
         finally:
             gate.set()
         assert outcome.result(60.0) == 5
