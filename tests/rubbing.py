@@ -47,3 +47,21 @@ friction = {{ model = "coulomb", mu = "mu" }}
 [initial]
 {begins}
 """
+
+
+def two_shafts(clutch, one, two="0", stop="", pins=('{ torque = "f" }', '{ torque = "g" }'), begins="angle = 0"):
+    """Behind a clutch, each in a pin that rubs, with these torques; begins: of the first one, which turns with w."""
+    return f"""
+format = 1
+gravity = [0, -9.81]
+parameters = {{ f = 0.6, g = 0.6, mu = 0.3, w = 0.0 }}
+ground.points = {{ O = [0, 0], Q = [1, 0] }}
+bodies.one = {{ points = {{ O = [0, 0] }}, mass = 1, inertia = 0.04 }}
+bodies.two = {{ points = {{ O = [0, 0] }}, mass = 1, inertia = 0.04 }}
+joints.p = {{ type = "revolute", connect = ["ground.O", "one.O"], friction = {pins[0]}{stop} }}
+joints.q = {{ type = "revolute", connect = ["ground.Q", "two.O"], friction = {pins[1]} }}
+joints.way = {{ type = "clutch", connect = {clutch} }}
+loads.a = {{ type = "torque", body = "one", torque = "{one}" }}
+loads.b = {{ type = "torque", body = "two", torque = "{two}" }}
+initial = {{ one = {{ {begins}, omega = "w" }}, two = {{ angle = 0, omega = 0 }} }}
+"""

@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, fsolve
 
 import rattle as rt
+from rubbing import two_shafts
 
 pytestmark = [pytest.mark.nojit, pytest.mark.plain]
 
@@ -692,3 +693,32 @@ def test_a_short_push_moves_what_sticks(force, wide):
     )
     assert run["block.x"][-1] == pytest.approx(want.y[0, -1], rel=1e-6)
     assert [event.kind for event in run.events] == ["slip", "stick"]
+
+
+@pytest.mark.parametrize("load", ["3*t", "3*sin(2*t)", "6*sin(2*t)"])
+def test_a_shaft_that_rubs_at_its_stop_is_pressed_on_it_once_its_friction_gives_way(load):
+    """By an elastic clutch that is wound up: friction bears f of its torque at most, the stop all the rest."""
+    stop = ', stop = { max = 0.1, min = -9, contact = { model = "impact", restitution = 0.3 } }'
+    clutch = '["two", "one"], model = "compliant", stiffness = 300, damping = 1'
+    m = rt.loads(two_shafts(clutch, "0", load, stop, begins="angle = 0.1")).set(g=0.0)
+    run = m.simulate(t_eval=[0.0, 0.5, 1.0], **FINE)
+    assert run.success
+    np.testing.assert_allclose(run["p.friction"][1:], -0.6, rtol=1e-9)
+    np.testing.assert_allclose(-run["p.stop"][1:], run["way.torque"][1:] - 0.6, rtol=1e-9)
+    assert not run["one.omega"].any()
+
+
+def test_a_shaft_that_friction_holds_at_its_stop_is_let_go_with_another_behind_a_clutch():
+    """Both stick; from 3 t + 2 sin(9 t + 4) = f + g on they move together, and the stop holds nothing back."""
+    stop = ', stop = { min = -1, max = 9, contact = { model = "impact", restitution = 0.3 } }'
+    clutch = '["one", "two"], model = "ideal", max_torque = 1.5'
+    text = two_shafts(clutch, "3*t", "2*sin(9*t + 4)", stop, begins="angle = -0.9")
+    run = rt.loads(text).set(w=-2.0).simulate(t_eval=[0.0, 0.28, 0.3], **FINE)
+    begins = brentq(lambda t: 3.0 * t + 2.0 * sin(9.0 * t + 4.0) - 1.2, 0.25, 0.3)
+
+    def gained(t):
+        return 1.5 * t * t - 2.0 / 9.0 * cos(9.0 * t + 4.0) - 1.2 * t
+
+    want = [(gained(t) - gained(begins)) / 0.08 for t in (0.28, 0.3)]
+    np.testing.assert_allclose(run["one.omega"][1:], want, rtol=1e-7)
+    np.testing.assert_allclose(run["two.omega"][1:], want, rtol=1e-7)

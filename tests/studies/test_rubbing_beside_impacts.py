@@ -158,22 +158,6 @@ def test_two_phases_beside_dry_friction_of_joints_run_one_by_one():
     assert 'beside dry friction of joints run side by side with restitution_law = "newton" only' in found.stats["how"]
 
 
-def test_clutches_beside_joints_that_rub_run_one_by_one():
-    m = rt.loads("""
-format = 1
-parameters = { mu = 0.2 }
-ground.points.O = [0, 0]
-bodies.one = { points = { C = [0, 0] }, mass = 1, inertia = 0.01 }
-bodies.two = { points = { C = [0, 0] }, mass = 1, inertia = 0.02 }
-joints.p = { type = "revolute", connect = ["ground.O", "one.C"], friction = { torque = "mu" } }
-joints.q = { type = "revolute", connect = ["ground.O", "two.C"] }
-joints.way = { type = "clutch", connect = ["one", "two"], model = "ideal" }
-initial = { one = { angle = 0, omega = 2 }, two = { angle = 0, omega = 1 } }
-""")
-    found = m.many({"mu": [0.1]}, t_end=0.01, outputs=["final(two.angle)"])
-    assert "a clutch (joint way) beside joints that rub does not run side by side" in found.stats["how"]
-
-
 def two_bars(one, two, height, pins, stop, floor, push, angle=0.0):
     """That hang from each other over a floor; the second one turns against a stop.  one, two: masses and inertias;
     pins: friction of both."""

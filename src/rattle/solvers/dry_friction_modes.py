@@ -364,7 +364,17 @@ def decide(m, t, y, who, told):
     bring_to_rest(m, y)  # those that stick: near a dead centre the others would have to lose all rates
     solve_at(m, t, y)
     note_decision(m, t, told)
+    if modes_changed(m):
+        wake_idle(m)
     return settled
+
+
+@compiled
+def wake_idle(m):
+    """Let closed contacts that were idle bear again: what has held them may slip now."""
+    for n in range(m.mode.shape[0]):
+        if m.mode[n] != OFF:
+            m.contact_memory[n, at.IDLE] = 0.0
 
 
 @compiled

@@ -73,6 +73,11 @@ class Meets(NamedTuple):
         return tuple(n for n in self.held if n < self.n and self.table[n, at.IMPACT] == 1)
 
     @property
+    def clutches_hold(self) -> bool:
+        """Whether clutches without slip may hold what joints that rub keep at rest."""
+        return self.rubs > 0 and any(self.table[n, at.LEVEL] for n in self.rigid)
+
+    @property
     def rubbing(self) -> range:
         """Numbers of the joints that rub, after those of contacts."""
         return range(self.n, self.n + self.rubs)

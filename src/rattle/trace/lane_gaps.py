@@ -35,6 +35,7 @@ TURNS_BACK, LEAST_SOON = 4.0, 1e-3  # depth at which it turns, as a share of tha
 KINKED = 0.1  # share of a force by which curves through it may differ that have its slopes and that have none
 SLIGHT = 1e-12  # share of a force, or of a slip, that may be rounding
 AT_ONCE = 4.0  # of the time by which a joint that comes to rest is too early: others have come to rest with it
+BACK = 10.0  # of what may be rounding: so near zero a curve begins that may turn back, and so far from there it has
 NOTHING_LEFT = 1e-10  # share of it that counts as none where a step is to end with it
 
 
@@ -98,8 +99,11 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
         released: Flag = False
         if n in meets.held and n not in meets.rigid:
             released = code > 1.5
+        end_rate = ends.rate[n]
+        if meets.clutches_hold and n in meets.rigid:  # what rests at its wall does not come to it by rounding
+            end_rate = ends.held["calm"][meets.held.index(n)]
         gap = _Gap(
-            recorder, m, n, shut | released, t, h, (touch.gap[n], touch.rate[n]), (ends.gap[n], ends.rate[n]),
+            recorder, m, n, shut | released, t, h, (touch.gap[n], touch.rate[n]), (ends.gap[n], end_rate),
             (midway[n], midway[meets.n + n]),
         )  # fmt: skip
         deep = deep | ((code < 0.5) & (gap.end < -DEEP * m.lever[n, at.GAP_SCALE]))
@@ -109,10 +113,7 @@ def meet(tile: Tile, meets: Meets, method: Method, ny: int, watched: int) -> Rec
             values = [
                 (touch.held[name][k], midway[first + place * len(meets.held) + k], ends.held[name][k],
                  touch.held[f"most {name}"][k], floor)
-                for place, (name, floor) in enumerate((
-                    ("pressed", ends.held["faint"][k]),
-                    ("reserve", select(_bears(meets, touch, n), 2.0 * ends.held["faint"][k], 0.0)),
-                ))
+                for place, (name, floor) in enumerate(_floors(meets, touch, n, ends.held["faint"][k]))
             ]  # fmt: skip
             seen = _held_looks(meets, n, seen[0], values, h, missed, shut, released)
             spent.append(seen[1].arrives)
@@ -241,6 +242,13 @@ def _held_looks(
     return [*looks, again.instead_of(_NOTHING, released), through.instead_of(_NOTHING, shut)]
 
 
+def _floors(meets: Meets, touch: Touch, n: int, faint: Operand) -> list[tuple[str, Operand]]:
+    """What may be rounding of the force of a contact, and of what is left of its stick or slip."""
+    if meets.table[n, at.LEVEL] and n not in meets.rigid:  # it waits for a rate
+        return [("pressed", faint), ("reserve", faint)]
+    return [("pressed", faint), ("reserve", select(_bears(meets, touch, n), 2.0 * faint, 0.0))]
+
+
 def _bears(meets: Meets, touch: Touch, n: int) -> Flag:
     """Whether what is left of a contact is a force: it sticks, or is a clutch that holds."""
     return touch.speed[n] > 0.5 if n in meets.limited else apply("equal", touch.speed[n], 0.0)
@@ -308,12 +316,16 @@ def _reserve_at(
     slight = largest(SLIGHT * size, floor)
     close = largest(slight, missed / largest(h, LITTLE) * abs(curve.ends))
     arrives = ((curve.ends < 0.0) & (abs(end) <= close)) | ((missed > 0.0) & (abs(end) <= NOTHING_LEFT * size))
-    arrives = arrives & (size > floor)
+    begins = abs(start) <= BACK * slight  # at zero: it may turn back at once
+    gives = begins & (end < least(start, -slight)) & ((h <= missed) | (end > start - BACK * slight))
+    close = select(gives, largest(close, abs(end)), close)
+    arrives = (arrives & (size > floor)) | gives
     close = select(arrives, largest(close, NOTHING_LEFT * size), slight)
     low = least(start, 0.0) - close
     turns = (bend > 0.0) & (rises < 0.0) & (curve.ends > 0.0)
     lowest = least(least(start, end), least(middle, select(turns, start - 0.25 * rises * rises / bend, middle)))
-    return _Look(arrives, end < low, lowest >= low, 0.0, curve.zero(), curve.beyond())
+    shown = Polynomial([select(begins, 0.5 * BACK * slight, start), rises, bend], curve.ends)
+    return _Look(arrives, end < low, lowest >= low, 0.0, shown.zero(), curve.beyond())
 
 
 class _Gap:

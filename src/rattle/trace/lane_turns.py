@@ -33,6 +33,7 @@ TURN = 0.2  # of a body within which forces on a body at rest are known by three
 AT_WALL = 1e-3  # share of the height of bounces that are not followed which may be rounding
 CRAWLS, MOST_CRAWLS = 1e-11, 500  # share of the time that a step makes no way by, and such tries in a row
 AT_ONCE = 1e-13  # share of the time within which turns are at one instant
+JUST = 1e-11  # share of the time likewise, beside clutches that let go where joints have just begun to slip
 MISSED = 4.0  # of the time by which an instant may be missed: what is farther beyond zero has jumped there
 SHORTEST_LANDING = 2e-15  # share of the time that a step to a contact takes at least
 
@@ -154,7 +155,7 @@ class Meeting:
         lane, landing = touch.lane, flags.landing
         rigid = self.meets.rigid
         closes = _any(near & (touch.shut[n] < 0.5) for n, near in enumerate(self.near) if n not in rigid)
-        strikes = _any(self.near[n] & apply("not", self.shut[n]) for n in rigid)
+        strikes = _any(self.near[n] & apply("not", self.shut[n] | self._is_gentle(n)) for n in rigid)
         turns = flags.good & (_any(self.near) | _any(x > 0.0 for x in met.spent))
         reach = select(landing > 0.0, lane["hit length"], h)
         hit = (met.hit > 0.0) & flags.kept  # also where an error is too large: beyond its contact a curve has a kink
@@ -248,7 +249,8 @@ class Meeting:
                 if self._is_soft_clutch(n):
                     shut[n] = select(still, self._jumped(n), shut[n])
         ended = _any(
-            (self.near[n] & self.shut[n]) | (self.met.spent[self.meets.held.index(n)] > 0.0) for n in self.meets.rigid
+            (self.near[n] & (self.shut[n] | self._is_gentle(n))) | (self.met.spent[self.meets.held.index(n)] > 0.0)
+            for n in self.meets.rigid
         )
         switched: Flag = False
         for n in self.meets.switching:
@@ -259,7 +261,7 @@ class Meeting:
         settle = settled(modes, [self._joint(n) for n in rubbing])
         unsettled = _any(apply("not", apply("equal", x, y)) for x, y in zip(settle, modes, strict=True))
         for n, mode in zip(rubbing, settle, strict=True):
-            shut[n], speed[n] = self._rubbing(n, still, mode, strikes, ended, unsettled)
+            shut[n], speed[n] = self._rubbing(n, still, mode, strikes, ended | self._others_give_way(n), unsettled)
             spent = self.met.spent[self.meets.held.index(n)] > 0.0  # forces of contacts jump with it
             jumps = (self._quiet() & unsettled) | (self.decides & self._comes_to_rest(n))
             switched = switched | select_flag(still, jumps, spent)
@@ -267,10 +269,10 @@ class Meeting:
         for n in self.meets.rigid:
             if n in self.meets.limited:
                 shut[n], speed[n] = self._limited(n, still, ended | switched, again)
-                continue
-            shut[n], speed[n] = self._rigid(n, still, strikes, ended | switched, again)
+            else:
+                shut[n], speed[n] = self._rigid(n, still, strikes, ended | switched, again)
             decided_now = self.decides & self._comes_to_rest(n)
-            again_now = still & (switched | decided_now) & (shut[n] > 0.5) & (shut[n] < 1.5)
+            again_now = still & (switched | decided_now) & self._is_open_question(n, shut[n], speed[n])
             slip = self.ends.held["slip"][self.meets.held.index(n)]  # one at rest may slip either way now
             shut[n], speed[n] = select(again_now, DECIDES, shut[n]), select(again_now, sign(slip), speed[n])
         if self.meets.rigid:  # joints are looked at once forces of contacts are known
@@ -278,6 +280,22 @@ class Meeting:
             for n in rubbing:
                 shut[n] = select(turned, DECIDES, shut[n])
         return shut, speed
+
+    def _is_gentle(self, n: int) -> Flag:
+        """Whether a rigid contact that is met is hit by rounding alone, beside clutches that hold what rubs at rest."""
+        if not self.meets.clutches_hold:
+            return False
+        return apply("not", self.ends.held["calm"][self.meets.held.index(n)] < 0.0)
+
+    def _is_open_question(self, n: int, shut: Operand, speed: Operand) -> Flag:
+        """Whether a rigid contact may be another one once joints or loads are: it is shut, or a clutch whose shafts
+        are equally fast, unless its torque has just ended."""
+        closed = (shut > 0.5) & (shut < 1.5)
+        if not self.meets.table[n, at.LEVEL]:
+            return closed
+        even = apply("equal", self.ends.held["calm"][self.meets.held.index(n)], 0.0)
+        holds = closed & (speed > -0.5) if n in self.meets.limited else closed
+        return holds | (even & (shut < 1.5) & (speed < LEAVES))
 
     def _quiet(self) -> Flag:
         """Whether rigid contacts neither hit nor decide."""
@@ -351,7 +369,7 @@ class Meeting:
         goes, way = touch.shut[n], touch.speed[n]
         part = (touch.shut[n] < 0.5) | self.shut[n] if level else self.shut[n]
         goes = select(part & strikes, HITS, select(self.shut[n] & ended, DECIDES, goes))
-        goes = select(near, select(self.shut[n], OPEN, HITS), goes)
+        goes = select(near, select(self.shut[n], OPEN, select(self._is_gentle(n), DECIDES, HITS)), goes)
         way = select(near, select(self.shut[n], LEAVES, 0.0), select(touch.shut[n] < 0.5, 0.0, way))
         broken = select(end["tangent"] > 0.0, 1.0, -1.0)  # the force on B along t is -T: it begins to slip so
         way = select(spent, select(apply("equal", way, 0.0), broken, 0.0), way)
@@ -418,7 +436,18 @@ class Meeting:
         """The mode at the end of a step beside rigid contacts: in an impact it goes on as it slips, or sticks.  One
         that a contact has held at rest sticks first once that lets go."""
         moved = sign(self.ends.held["slip"][self.meets.held.index(n)])
-        return select(strikes | (lets_go & apply("equal", moved, 0.0)), moved, way)
+        rests = lets_go & apply("equal", moved, 0.0)
+        if self.meets.clutches_hold:  # one that has just begun to slip goes on
+            just = (self.instant.t - self.touch.lane["turned at"]) <= JUST * self.instant.t
+            rests = rests & apply("not", just & apply("equal", self.met.spent[self.meets.held.index(n)], 0.0))
+        return select(strikes | rests, moved, way)
+
+    def _others_give_way(self, n: int) -> Flag:
+        """Whether the mode of another joint than n ends, where clutches may hold what rests as long as others do."""
+        if not self.meets.clutches_hold:
+            return False
+        ends = {k: self.met.spent[self.meets.held.index(k)] > 0.0 for k in self.meets.rubbing}
+        return _any(flag for k, flag in ends.items() if k != n) & apply("not", ends[n])
 
     def _tried_beside(self, n: int, settles: Operand, unsettled: Flag) -> Operand:
         """The mode in a trip that takes no time beside rigid contacts.

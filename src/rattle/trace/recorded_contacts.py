@@ -119,13 +119,13 @@ class RecordedContacts:
 
     def _unable_impacts(self, entry: np.ndarray, values: np.ndarray, limited: bool) -> list[tuple[bool, str]]:
         """The same of a rigid one; limited: it is a clutch with a largest torque."""
-        first, friction, clutch = entry[at.NORMAL_P], self.rubbing, bool(entry[at.LEVEL] or entry[at.TOOTHED])
-        law = values[first + at.RESTITUTION_LAW]
-        rubs, takes_part = friction is not None and bool(friction.rubs), friction is not None and friction.takes_part
+        law, takes_part = (
+            values[entry[at.NORMAL_P] + at.RESTITUTION_LAW],
+            self.rubbing is not None and self.rubbing.takes_part,
+        )
         do = "run side by side" if self.lanes else "have derivatives"
         beside = f"impacts ({{}}) beside dry friction of joints {do} with restitution_law"
         return [
-            (rubs and clutch and self.lanes, "a clutch ({}) beside joints that rub does not run side by side"),
             (takes_part and not _is(law, NEWTON), f'{beside} = "newton" only'),
             (limited and not self.lanes, "clutches with max_torque ({}) have no derivatives"),
         ]
@@ -311,7 +311,17 @@ class RecordedContacts:
 
     def calm(self, m: SimpleNamespace, n: int, rate: Operand) -> Operand:
         """A rate of contact n, 0 where it may be rounding."""
-        return select(abs(rate) <= REST + self._copies.of(rate_rounding.python)(m, n), 0.0, rate)
+        return select(abs(rate) <= self.slow(m, n), 0.0, rate)
+
+    def slow(self, m: SimpleNamespace, n: int) -> Operand:
+        """A rate of contact n that may be rounding [m/s or rad/s]."""
+        slow: Operand = REST + self._copies.of(rate_rounding.python)(m, n)
+        return slow
+
+    def faint_clutch(self, m: SimpleNamespace, n: int) -> Operand:
+        """What may be rounding of a clutch without impacts: shut, its torque [N m]; open, its rate [rad/s]."""
+        rate, p = self.slow(m, n), self.table[n, at.NORMAL_P]
+        return select(self.is_shut[n], (m.values[p + at.OIL] + m.values[p + at.WIND_UP]) * rate, rate)
 
     def friction(self, m: SimpleNamespace, n: int) -> Operand:
         """mu of a rigid contact."""

@@ -29,7 +29,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rattle.equations import compliant, motion
-from rattle.equations.dry_friction import DEPENDENT
+from rattle.equations.dry_friction import DEPENDENT, REST
 from rattle.equations.state import DISSIPATED, IMPULSE, LOSS, WORK, account_at, energies_at
 from rattle.jit import layout as at
 from rattle.jit.choices import assume
@@ -147,6 +147,9 @@ class RigidContacts:
         self.slips = slips
         self.takes_part = rubbing is not None and rubbing.takes_part  # joints have impulses
         self.width = 2 if rough else 1
+        self.clutches_hold = rubbing is not None and any(
+            table[n, at.LEVEL] for n in self.numbers
+        )  # clutches beside joints
         self._most = min(MOST_SLOTS if crowded or not rough else SLOTS, len(self.numbers))
 
     # ---------------------------------------------------------------- responses
@@ -216,6 +219,9 @@ class RigidContacts:
             if place[0] > 0:
                 terms = terms + abs(push[place] * m.acceleration[place])
                 free = free + push[place] * push[place] * m.weight[place]
+        if self.clutches_hold:  # so may what clutches hold
+            for place in np.ndindex(push.shape):
+                terms = terms + (abs(push[place] * m.weight[place] * m.force[place]) if place[0] > 0 else 0.0)
         for j in range(len(m.dry_memory)):  # friction of joints may balance what presses
             terms = terms + abs(power(push, away(m, j)) * m.dry_memory[j, at.DRY_FORCE])
         return ROUNDED * terms, ROUNDED * terms / free
@@ -266,6 +272,8 @@ class RigidContacts:
         accelerations, and a joint that is pressed against one would turn back by the errors of steps."""
         kinematics = m.contact_kinematics
         rate, slip = ({n: kinematics[n, column] for n in self.numbers} for column in (at.DGAP, at.SLIP))
+        for n in self.slips:  # that of one with a largest torque jumps in impacts
+            rate[n] = select(self._hits(), 0.0, rate[n])
         kept = self._in_modes(m, slots, self._right(slots, rate, slip), None, KEPT).forces
         pulls, flat = self._pulls(m, slots), _flat(kept)
         joints = range(len(m.dry_memory))
@@ -375,10 +383,9 @@ class RigidContacts:
         # what is finite has no impulse
         parts = {n: self.state[n] > (2.5 if n in self.slips else 0.5) for n in self.numbers}
         slots, count = self._slots(m, parts)
-        hits: Flag = False
+        hits: Flag = self._hits()
         decides: Flag = False
         for n in self.numbers:
-            hits = hits | ((self.state[n] > 1.5) & (self.state[n] < 2.5))
             decides = decides | (self.state[n] > 2.5)
         rate = {n: m.contact_kinematics[n, at.DGAP] for n in self.numbers}
         slip = {n: m.contact_kinematics[n, at.SLIP] for n in self.numbers}
@@ -414,6 +421,13 @@ class RigidContacts:
         if self._law(m) in (ENERGETIC, LZB):  # one at a time
             sound = select(hits & (count > 1.0), -2.0, sound)
         return Struck(state, shut, slide, impulse, sound, turned, can, told)
+
+    def _hits(self) -> Flag:
+        """Whether some contact does."""
+        hits: Flag = False
+        for n in self.numbers:
+            hits = hits | ((self.state[n] > 1.5) & (self.state[n] < 2.5))
+        return hits
 
     def _agrees(
         self, m: SimpleNamespace, slots: list[_Slot], struck: list[list[Operand]], rubs: list[Operand]
@@ -473,6 +487,8 @@ class RigidContacts:
         hits = slot.of({
             n: select((self.state[n] > 1.5) & (rate[n] < -slight[n]), 1.0, 0.0) for n in self.numbers
         })  # fmt: skip
+        if self.clutches_hold:  # what rests at its wall beside a clutch that takes up hits it by rounding
+            rate = {n: select(abs(rate[n]) <= REST + slight[n], 0.0, rate[n]) for n in self.numbers}
         e, e_t = (slot.of(self._of(m, k)) for k in (at.RESTITUTION, at.TANGENTIAL_RESTITUTION))
         normal = -(1.0 + hits * e) * slot.of(rate)
         return normal, (-(1.0 + hits * e_t) * slot.of(slip) if self.rough else 0.0)
@@ -495,6 +511,7 @@ class RigidContacts:
         for combination in self._combinations(len(slots), lasting):
             formula = functools.partial(self._forces, mus, mosts, combination)
             f, rubs, converged, problem = self._solved(m, slots, right, joints, what, formula)
+            f = self._idle_clutches(slots, combination, problem, f) if lasting else f
             flags = [converged, *self._conditions(problem, slots, mus, slides, combination, f, lasting)]
             flags += self._within_limits(mosts, combination, f)
             flat = _flat(f)
@@ -539,6 +556,23 @@ class RigidContacts:
             f.append([normal, tangent][:w])
         return f
 
+    def _idle_clutches(
+        self, slots: list[_Slot], combination: Sequence[int], problem: _Problem, f: list[list[Operand]]
+    ) -> list[list[Operand]]:
+        """Forces in these modes, where the torque of a clutch that holds is rounding without it: it stays shut, as what
+        is about to press it would have to begin by a rate below zero."""
+        if not self.clutches_hold:
+            return f
+        level = {n: float(self.table[n, at.LEVEL]) for n in self.numbers}
+        result = []
+        for k, (slot, mode, forces) in enumerate(zip(slots, combination, f, strict=True)):
+            own = problem.g[self.width * k][self.width * k]
+            idle = (slot.of(level) > 0.5) & (abs(own * forces[0]) <= SLIGHT * problem.size[self.width * k])
+            result.append(
+                [select(idle, 0.0, forces[0]), *forces[1:]] if mode in (STICKS, FORWARD, BACKWARD) else forces
+            )
+        return result
+
     def _left_by_limits(self, mosts: list[Operand], combination: Sequence[int], problem: _Problem) -> list[Operand]:
         """-b by row, less what clutches do that slip at their largest torque."""
         limits = [(self.width * j, most) for j, most in enumerate(mosts) if combination[j] == LIMIT]
@@ -579,7 +613,10 @@ class RigidContacts:
             if mode == LIMIT:
                 flags += [slots[k].taken, after[w * k] <= SLIGHT * problem.size[w * k] + own[w * k] * most]
                 continue
-            flags += [slots[k].taken, slots[k].loose[0], f[k][0] >= 0.0, abs(after[w * k]) <= close]
+            met = abs(after[w * k]) <= close
+            if self.clutches_hold:  # its torque may be left out, see `_idle_clutches`
+                met = met | (apply("equal", f[k][0], 0.0) & (abs(after[w * k]) <= SLIGHT * problem.size[w * k]))
+            flags += [slots[k].taken, slots[k].loose[0], f[k][0] >= 0.0, met]
             if not self.rough:
                 continue
             slide = slides[k] if lasting else 0.0

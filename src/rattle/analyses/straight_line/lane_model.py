@@ -104,6 +104,8 @@ def contacts_of(model: RecordedModel, reduction: Any) -> tuple[int, ...]:
     level, rigid = are.table[:, at.LEVEL] == 1, are.rigid
     if level[list(asked)].any() and (level | rigid).sum() > 1:
         raise TraceError(f"only single runs tell which contacts of the clutch {joint} begin together with others")
+    if (level & rigid)[list(asked)].any() and are.rubbing is not None and are.rubbing.rubs:
+        raise TraceError(f"only single runs tell which contacts of the clutch {joint} begin beside joints that rub")
     return asked
 
 

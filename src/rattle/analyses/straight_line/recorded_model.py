@@ -102,7 +102,8 @@ class HeldFunctions:
     calm: list[Operand]  # rate of the gap [m/s or rad/s] likewise
     tangent: list[Operand]  # T of B against A along t [N]
     bend: list[Operand]  # second derivative of the gap [m/s^2 or rad/s^2], likewise
-    faint: list[Operand]  # force that may be rounding [N or N m]
+    faint: list[Operand]  # force that may be rounding [N or N m]; of an open clutch without
+    # impacts its rate [rad/s]
     struck: Struck
 
 
@@ -275,7 +276,7 @@ def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray, switches: Se
         held.slip.append(met.calm(m, n, row[at.SLIP]) if rigid else 0.0)
         held.calm.append(met.calm(m, n, row[at.DGAP]) if rigid else 0.0)
         held.tangent.append(row[at.TANGENT] if rigid else 0.0)
-        slight, faint = met.faint(m, n) if rigid else (0.0, 0.0)
+        slight, faint = met.faint(m, n) if rigid else (0.0, met.faint_clutch(m, n) if level else 0.0)
         held.bend.append(
             select(abs(bends[n]) <= slight, 0.0, bends[n]) if rigid else met.parting(m, n) if level else 0.0
         )
@@ -306,7 +307,8 @@ def _reserve(met: RecordedContacts, m: SimpleNamespace, n: int, calm: bool = Tru
     rounding."""
     row = m.contact_kinematics[n]
     if met.table[n, at.LEVEL]:
-        free = select(met.is_shut[n], met.most(m, n) - row[at.NORMAL] if met.limited[n] else 1.0, row[at.DGAP])
+        rate = met.calm(m, n, row[at.DGAP]) if calm and met.limited[n] else row[at.DGAP]
+        free = select(met.is_shut[n], met.most(m, n) - row[at.NORMAL] if met.limited[n] else 1.0, rate)
         return select(met.slips[n], -row[at.DGAP], free) if met.limited[n] else free
     if met.lasts[n]:
         return 1.0

@@ -10,10 +10,13 @@ from rattle.equations.complementarity import (
     SOLVED,
     STICK,
     TRY_ALL,
+    A,
     B,
     F,
     friction_of,
     linear,
+    mode_of_closing,
+    resolution,
 )
 from rattle.equations.motion import OK
 from rattle.equations.one_way import hold
@@ -49,6 +52,7 @@ from rattle.solvers.contacts.clutches import (
 )
 from rattle.solvers.contacts.event_rows import note, note_end
 from rattle.solvers.contacts.penetration import scale_of
+from rattle.solvers.dry_friction_modes import AGAINST_LOOSE
 from rattle.solvers.nonsmooth.contact_projection import at_rest, at_wall, largest_acceleration, motion_without
 from rattle.solvers.nonsmooth.idle_contacts import doubt_holders, held_by_closed, let_idle
 from rattle.solvers.nonsmooth.impact_path import as_full_matrix
@@ -297,9 +301,35 @@ def update_modes(m, t, y, apart, kind):
         return status
     if not agrees_with_joints(m, count, attempt != KEPT):
         return NO_SOLUTION
+    if kind == HIT and m.dry.shape[0] > 0:
+        stay_at_wall(m, count, apart)
     let_idle(m, count)
     change_modes(m, t, y, count)
     return OK
+
+
+@compiled
+def stay_at_wall(m, count, who):
+    """Let a contact that is met close though it bears nothing, where friction of joints just balances what presses it:
+    they begin to slip at this instant, and it would be met again at once."""
+    _, least = resolution(m, count)
+    for k in range(count):
+        if m.active[k] != who or m.candidate[k] != OFF:
+            continue
+        if m.side[A, 2 * k] <= max(least, AGAINST_LOOSE * held_by_friction(m, 2 * k, who)):
+            m.candidate[k] = mode_of_closing(m.slide[k], friction_of(m, who))
+
+
+@compiled
+def held_by_friction(m, r, n):
+    """Sum of the accelerations in row r of contact n that joints cause by their friction, as magnitudes."""
+    w, a, b, total = m.contact_jacobian, m.contact[n, at.A_BODY], m.contact[n, at.B_BODY], 0.0
+    for o in range(m.dry.shape[0]):
+        caused = 0.0
+        for q in range(3):
+            caused += w[r, q] * m.dry_response[o, 3 * a + q] + w[r, 3 + q] * m.dry_response[o, 3 * b + q]
+        total += abs(caused * m.dry_memory[o, at.DRY_FORCE])
+    return total
 
 
 @compiled
