@@ -8,6 +8,7 @@ import pytest
 import rattle as rt
 from rattle.errors import TraceError
 from rubbing import block, slider_crank
+from runs_beside import FINE, differences
 
 G = 9.81
 PIN = '{ model = "coulomb", mu = "mu", mu_static = "1.4*mu", pin_radius = "r" }'
@@ -294,3 +295,14 @@ def test_what_impacts_beside_joints_that_rub_have_no_derivatives_is_said():
     more = 'stop = { min = -0.1, max = 0.2, contact = { model = "impact", restitution_law = "poisson" } }'
     with pytest.raises(TraceError, match=r"impacts \(joint rail\) beside dry friction of joints have derivatives with"):
         rt.loads(block(HOLDS, more=more)).sensitivity(["block.x"], ["mu"], t_eval=[0.1])
+
+
+def test_what_a_stop_has_pressed_against_its_friction_sticks_first_once_that_lets_go():
+    """It has come to the stop bouncing, with friction either way; then it leaves it at mu_static m g."""
+    stop = 'stop = { min = -0.1, max = 0.2, contact = { model = "impact", restitution = 0.4 } }'
+    m = rt.loads(block(HOLDS, "F*sin(5*t)", stop)).set(v=1.0)
+    s = m.sensitivity(["block.x"], ["F", "mu"], [0.0, 0.75, 1.0], **FINE)
+    assert s.success, s.message
+    for name in ("F", "mu"):
+        want = differences(m, name, ["block.x"], [0.0, 0.75, 1.0])["block.x"]
+        assert s[f"d(block.x)/d({name})"] == pytest.approx(want, rel=1e-6, abs=1e-8), name

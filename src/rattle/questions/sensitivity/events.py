@@ -235,12 +235,22 @@ class Events(Motion):
             else:
                 n = int(touching.rough[row - touching.slides])
                 touching.set(n, True, 0.0 if touching.slide[n] != 0.0 else broken[n])
+        self._hold_at_rest([row for row in hit if row < touching.contacts and row not in locks], shift)
         those = sorted([*np.flatnonzero(touching.shut & touching.rigid).tolist(), *locks])
-        if those:
+        if those or touching.rubbing is not None:
             self._settle(those, touching.slide.copy(), shift)
         else:
             self._go_on(self.z, self._rates.values[:, 0], shift)
         self._note_locks(drove, shift)
+
+    def _hold_at_rest(self, let_go: list[int], shift: np.ndarray) -> None:
+        """Joints that contacts have held at rest stick first, as these let go."""
+        if self.touching.rubbing is None or not let_go or self.message:
+            return
+        modes = np.where(self._moving() == 0.0, 0.0, self.touching.rubbing.modes)
+        if not np.array_equal(modes, self.touching.rubbing.modes):
+            self._go_on(self.z, self._rates.values[:, 0], shift)
+            self._rub(modes, shift)
 
     def _decide(self, those: list[int], slide: np.ndarray, shift: np.ndarray) -> Blow:
         """Rigid contacts last from here on or let go, in the present modes of joints that rub."""

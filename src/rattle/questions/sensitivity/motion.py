@@ -22,6 +22,7 @@ from rattle.analyses.straight_line.lane_model import weight
 from rattle.equations.state import state_layout
 from rattle.questions.sensitivity.functions import Functions, Rates
 from rattle.questions.sensitivity.step import POWER, Step, Tolerance, try_step
+from rattle.solvers.step_audit import STEPS_OF_RATE
 from rattle.solvers.step_size import SAFETY, longer, shorter
 
 ENERGY = 1e-3  # share of the largest energy that may be unaccounted for, as for adaptive steppers
@@ -70,7 +71,8 @@ class Motion:
         self.balance, self.share = 0.0, 0.0  # largest energy error [J], and as a share of the largest energy
         self.steps = self.rejected = self.switched = 0
         self.wall = 0.0
-        self._lifting = weight(system)[0]  # [J]
+        self._lifting, mass = weight(system)  # [J], [kg]
+        self._resting = mass * (STEPS_OF_RATE * atol) ** 2  # energy of a mechanism at rest [J]
         self._longest = math.inf  # step that shows all that happens [s]
         self._beyond: Rates | None = None  # on another side of a switch, in the last step that failed there
         self._passes, self._passed_at = 0, -math.inf  # switches one after the other that make no way
@@ -268,6 +270,8 @@ class Motion:
         moves = (speed != 0.0) | (speed_after != 0.0)  # others jump with these, as conditions of several comparisons
         if moves.any():
             by_parameter, speed, speed_after = by_parameter[moves], speed[moves], speed_after[moves]
+        if not speed.any() and not by_parameter.any():  # it begins at rest there, whatever the parameters are
+            return np.zeros(by_parameter.shape[1])
         if not (speed * speed_after > 0.0).all():
             self.message = (
                 f"stopped at t = {self.t:.6g} s: the motion stays on the switch of {self._names} (as in sticking);"
@@ -326,7 +330,8 @@ class Motion:
         low, high = min(low, potential), max(high, potential)
         self._turnover[:] = most, low, high, done
         turnover = max(most, done, high - low) + OF_POTENTIAL * (abs(potential) + self._lifting)
-        share = max(0.0, abs(balance) - ROUNDING * max(abs(low), abs(high))) / turnover if turnover > 0.0 else 0.0
+        unrest = max(0.0, abs(balance) - ROUNDING * max(abs(low), abs(high)) - self._resting)
+        share = unrest / turnover if turnover > 0.0 else 0.0
         self.balance, self.share = max(self.balance, abs(float(balance))), max(self.share, float(share))
         if not share <= ENERGY:
             self.message = (
