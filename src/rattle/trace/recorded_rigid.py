@@ -563,7 +563,7 @@ class RigidContacts:
         is about to press it would have to begin by a rate below zero."""
         if not self.clutches_hold:
             return f
-        level = {n: float(self.table[n, at.LEVEL]) for n in self.numbers}
+        level: dict[int, Operand] = {n: float(self.table[n, at.LEVEL]) for n in self.numbers}
         result = []
         for k, (slot, mode, forces) in enumerate(zip(slots, combination, f, strict=True)):
             own = problem.g[self.width * k][self.width * k]
