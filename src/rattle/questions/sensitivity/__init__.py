@@ -49,9 +49,9 @@ def sensitivity(
     The result holds the outputs and, for each parameter, their derivatives.  Where they grow exponentially,
     `trust` says how fast, and how long they tell what a change does.  Where an expression switches, and where
     contacts begin and end, the jump of the derivatives is exact: contacts with force laws, rigid ones that
-    bounce, stick, slip, rest and let go, one-way clutches, and joints with dry friction, which stick and slip, beside
-    contacts too; a contact that grazes is told.  What cannot go on ends the result with success = False and a message
-    (strict=True raises SolverError).
+    bounce, stick, slip, rest and let go, one-way clutches, and joints with dry friction, which stick and slip,
+    beside contacts too; a contact that grazes is told.  What cannot go on ends the result with success = False and
+    a message (strict=True raises SolverError).
     Raises TraceError, with the reason, for oil, wear, ratchets, clutches with max_torque, two-phase impacts beside
     joints that rub, for loads written in Python, for drivers that switch, and where the start does not follow from
     [initial]; UnknownName, and what the analysis itself raises.
