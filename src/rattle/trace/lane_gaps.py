@@ -324,8 +324,8 @@ def _reserve_at(
     low = least(start, 0.0) - close
     turns = (bend > 0.0) & (rises < 0.0) & (curve.ends > 0.0)
     lowest = least(least(start, end), least(middle, select(turns, start - 0.25 * rises * rises / bend, middle)))
-    shown = Polynomial([select(begins, 0.5 * BACK * slight, start), rises, bend], curve.ends)
-    return _Look(arrives, end < low, lowest >= low, 0.0, shown.zero(), curve.beyond())
+    from_zero = Polynomial([select(begins, 0.5 * BACK * slight, start), rises, bend], curve.ends)
+    return _Look(arrives, end < low, lowest >= low, 0.0, from_zero.zero(), curve.beyond())
 
 
 class _Gap:
