@@ -722,3 +722,34 @@ def test_a_shaft_that_friction_holds_at_its_stop_is_let_go_with_another_behind_a
     want = [(gained(t) - gained(begins)) / 0.08 for t in (0.28, 0.3)]
     np.testing.assert_allclose(run["one.omega"][1:], want, rtol=1e-7)
     np.testing.assert_allclose(run["two.omega"][1:], want, rtol=1e-7)
+
+
+def test_a_disc_that_its_hinge_and_a_floor_hold_rolls_nowhere_by_the_friction_of_either():
+    """Both together bear more than its load: when the hinge gives way first, the floor resists, and drives nothing."""
+    run = rt.loads("""
+format = 1
+gravity = [0, -9.81]
+ground.points = { O = [0, 0], F = [0, -0.2] }
+bodies.arm = { points = { O = [0, 0], E = [0.3, 0] }, center = [0.15, 0], mass = 1, inertia = 0.01 }
+bodies.disc = { points = { C = [0, 0] }, mass = 0.5, inertia = 0.0006 }
+loads.m = { type = "torque", body = "arm", torque = "0.7755*sin(9*t + 4)" }
+loads.n = { type = "torque", body = "disc", torque = "0.23265*sin(9*t + 2)" }
+initial = { arm = { angle = -0.3, omega = 0 }, disc = { angle = 0, omega = 0 } }
+[joints.O]
+type = "revolute"
+connect = ["ground.O", "arm.O"]
+friction = { model = "coulomb", mu = 0.195, mu_static = 0.292, pin_radius = "15 mm" }
+[joints.E]
+type = "revolute"
+connect = ["arm.E", "disc.C"]
+friction = { torque = 0.292 }
+[joints.floor]
+type = "surface"
+connect = ["ground.F", "disc.C"]
+axis = 0
+roller = 0.05
+contact = { model = "impact", restitution = 0.5, friction = 0.2 }
+""").simulate(t_eval=[0.0, 0.5, 0.9, 1.0, 1.17], rtol=1e-9)
+    assert run.success
+    np.testing.assert_allclose(run["disc.angle"][2:], run["disc.angle"][1], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(run["energy.dissipated"][2:], run["energy.dissipated"][1], rtol=1e-9)

@@ -365,16 +365,16 @@ def decide(m, t, y, who, told):
     solve_at(m, t, y)
     note_decision(m, t, told)
     if modes_changed(m):
-        wake_idle(m)
+        wake_contacts(m)
     return settled
 
 
 @compiled
-def wake_idle(m):
-    """Let closed contacts that were idle bear again: what has held them may slip now."""
+def wake_contacts(m):
+    """Let closed contacts that were idle bear again, and look at slips that were none: what held them may slip now."""
     for n in range(m.mode.shape[0]):
         if m.mode[n] != OFF:
-            m.contact_memory[n, at.IDLE] = 0.0
+            m.contact_memory[n, at.IDLE], m.contact_memory[n, at.NO_SLIP] = 0.0, 0.0
 
 
 @compiled
