@@ -478,3 +478,43 @@ def test_smooth_clutch_brakes_beside_a_rigid_one():
     assert times(r, "one", "free") == pytest.approx(lets_go, abs=1e-9)
     assert [r["r0.omega"][-1], r["r1.omega"][-1]] == pytest.approx(list(w), abs=1e-8)
     assert abs(r["energy.balance"]).max() < 1e-9
+
+
+REST = {
+    "of oil": 'model = "viscous", damping = 0.4',
+    "elastic": 'model = "compliant", stiffness = 200, damping = 1',
+}
+
+
+@pytest.mark.parametrize("name", REST)
+def test_a_clutch_between_what_friction_holds_neither_takes_nor_lets_go_by_rounding(name):
+    """A wheel with its weight beside its middle is turned against its stop by gears, another hangs still."""
+    run = rt.loads(f"""
+format = 1
+gravity = [0, -9.81]
+ground.points = {{ O = [0, 0], P = [0.15, 0], Q = [1, 0] }}
+bodies.g = {{ points = {{ C = [0, 0] }}, mass = 1, inertia = 0.01 }}
+bodies.h = {{ points = {{ C = [0, 0] }}, center = [0, 0.03], mass = 1, inertia = 0.02 }}
+bodies.p = {{ points = {{ O = [0, 0] }}, center = [0.1, 0], mass = 1, inertia = 0.02 }}
+joints.mesh = {{ type = "gear", connect = ["g.C", "h.C"], radii = [0.05, 0.1] }}
+joints.C = {{ type = "clutch", connect = ["h", "p"], {REST[name]} }}
+loads.m = {{ type = "torque", body = "g", torque = "2.9132*sin(2*t + 2)" }}
+loads.n = {{ type = "torque", body = "h", torque = "2.9132*sin(14*t + 0.5)" }}
+initial = {{ g = {{ angle = 0, omega = 0 }}, h = {{ angle = 0 }}, p = {{ angle = -1.57, omega = 0 }} }}
+[joints.G]
+type = "revolute"
+connect = ["ground.O", "g.C"]
+stop = {{ min = -0.5, max = 0.6, contact = {{ model = "impact", restitution = 0.3 }} }}
+[joints.Hh]
+type = "revolute"
+connect = ["ground.P", "h.C"]
+friction = {{ model = "coulomb", mu = 0.49466, mu_static = 0.74199, pin_radius = "15 mm" }}
+stop = {{ min = -0.35, max = 0.25, contact = {{ model = "impact", restitution = 0 }} }}
+[joints.Hp]
+type = "revolute"
+connect = ["ground.Q", "p.O"]
+friction = {{ model = "coulomb", mu = 0.49466, pin_radius = "15 mm" }}
+""").simulate(t_end=0.6, rtol=1e-10)
+    assert run.success
+    assert len([event for event in run.events if event.joint == "C"]) < 50
+    assert run.stats["steps"] < 2000

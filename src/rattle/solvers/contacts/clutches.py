@@ -52,11 +52,28 @@ def rate_left(m, n):
 
 
 @compiled
+def rate_noise(m, n):
+    """Rate of clutch n that may be rounding [rad/s]."""
+    a, b = m.contact[n, at.A_BODY], m.contact[n, at.B_BODY]
+    return STILL * (abs(m.body[a, at.W]) + abs(m.body[b, at.W])) + LEAST
+
+
+@compiled
 def gets_ahead(m, n):
     """True if A turns faster than B in the sense of clutch n, by more than rounding."""
-    bodies = m.body
-    a, b = m.contact[n, at.A_BODY], m.contact[n, at.B_BODY]
-    return m.contact_kinematics[n, at.DGAP] < -STILL * (abs(bodies[a, at.W]) + abs(bodies[b, at.W])) - LEAST
+    return m.contact_kinematics[n, at.DGAP] < -rate_noise(m, n)
+
+
+@compiled
+def left_of_soft(m, n):
+    """What is left of the state of a clutch without impacts: its torque [N*m], or its rate if it is free [rad/s].
+
+    0 where it may be rounding, as between shafts that rest.
+    """
+    left, noise, p = m.contact_kinematics[n, at.DGAP], rate_noise(m, n), m.contact[n, at.NORMAL_P]
+    if m.contact_memory[n, at.CLOSED] == at.SHUT:
+        left, noise = m.contact_kinematics[n, at.NORMAL], (m.values[p + at.OIL] + m.values[p + at.WIND_UP]) * noise
+    return left if abs(left) > noise else 0.0
 
 
 @compiled

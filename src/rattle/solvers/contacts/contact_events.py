@@ -23,7 +23,7 @@ from rattle.equations.worn_contact import worn_energy
 from rattle.jit import layout as at  # fmt: skip
 from rattle.jit.families import call_stiffness
 from rattle.jit.functions import compiled, native
-from rattle.solvers.contacts.clutches import gets_ahead
+from rattle.solvers.contacts.clutches import gets_ahead, left_of_soft
 from rattle.solvers.contacts.event_rows import note_end
 from rattle.solvers.contacts.gap_search import NONE, gap_at, may_reach, rounding, search
 from rattle.solvers.contacts.penetration import is_open
@@ -163,8 +163,8 @@ def left_at(m, h, n, theta):
         gap, rate = gap_at(m, theta, n)
         pushes = push(m, n, gap, rate)[1]
         return pushes if m.contact_memory[n, at.CLOSED] == at.SHUT else -pushes
-    force = normal_at(m, theta, n)
-    return force if m.contact_memory[n, at.CLOSED] == at.SHUT else m.contact_kinematics[n, at.DGAP]
+    normal_at(m, theta, n)
+    return left_of_soft(m, n)
 
 
 @compiled
@@ -197,7 +197,8 @@ def turn_between(m, h, n, low, high):
         if left_at(m, h, n, low + share) > 0.0:
             low += share
         share *= 0.5
-    if left_at(m, h, n, low) <= 0.0:
+    left = left_at(m, h, n, low)
+    if left < 0.0 or (left == 0.0 and m.contact[n, at.LEVEL] == 0):
         return low
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
