@@ -61,7 +61,6 @@ CLUTCHES = {
     "of oil": ('["one", "two"], model = "viscous", damping = 0.3', ""),
     "of oil, beside a stop": ('["two", "one"], model = "viscous", damping = 0.3', STOP),
     "elastic": ('["one", "two"], model = "compliant", stiffness = 100, damping = 0.5', ""),
-    "a ratchet": ('["one", "two"], model = "ratchet", teeth = 24', ""),
 }
 
 
@@ -107,6 +106,12 @@ friction = { model = "coulomb", mu = "mu" }
 """)
     samples = {"mu": np.array([0.1, 0.3]), "T": np.array([3.0, 6.0])}
     assert_alike(m, samples, ["final(crank.angle)", "final(wheel.omega)", LOST], 0.6, rel=1e-6, abs=1e-8)
+
+
+def test_ratchets_run_one_by_one():
+    m = rt.loads(two_shafts('["one", "two"], model = "ratchet", teeth = 24', PUSH.replace("T", "2")))
+    found = m.many({"f": [0.1]}, t_end=0.1, outputs=["final(two.angle)"])
+    assert "a ratchet (joint way) beside joints that rub does not run side by side" in found.stats["how"]
 
 
 def test_counts_of_its_contacts_come_from_single_runs():

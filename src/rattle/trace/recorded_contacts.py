@@ -115,7 +115,11 @@ class RecordedContacts:
 
     def _unable_kinds(self, entry: np.ndarray) -> list[tuple[bool, str]]:
         """What may keep a contact from being recorded, and why, whether it is compliant or rigid; {} is its joint."""
-        return [(bool(entry[at.TOOTHED]) and not self.lanes, "a ratchet ({}) has no derivatives")]
+        toothed, rubs = bool(entry[at.TOOTHED]), self.rubbing is not None and bool(self.rubbing.rubs)
+        return [
+            (toothed and not self.lanes, "a ratchet ({}) has no derivatives"),
+            (toothed and rubs, "a ratchet ({}) beside joints that rub does not run side by side"),
+        ]
 
     def _unable_impacts(self, entry: np.ndarray, values: np.ndarray, limited: bool) -> list[tuple[bool, str]]:
         """The same of a rigid one; limited: it is a clutch with a largest torque."""
