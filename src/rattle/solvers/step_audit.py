@@ -109,6 +109,11 @@ def keep_energies(m):
     audit[at.MOST_UNREST] = max(audit[at.MOST_UNREST], audit[at.UNREST_NOW])
 
 
+def energy_at_rest(mass: float, atol: float) -> float:
+    """Energy [J] of a mechanism of this mass [kg] whose rates are the errors of steps alone; atol: of rates [m/s]."""
+    return mass * (STEPS_OF_RATE * atol) ** 2
+
+
 @native("void", "h", "f", "f", "f", "f")
 def set_floor(m, extent, limit, rtol, atol):
     """Set the floor of turnover [J]: that of a mechanism at rest under the forces at the start, within the tolerances.

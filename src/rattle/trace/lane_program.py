@@ -10,7 +10,7 @@ import numpy as np
 
 from rattle.errors import InputError
 from rattle.language.recorded import Operand
-from rattle.solvers.step_audit import STEPS_OF_RATE
+from rattle.solvers.step_audit import energy_at_rest
 from rattle.trace import lane_methods as methods
 from rattle.trace.graph import Graph
 from rattle.trace.lane_aside import results
@@ -78,7 +78,7 @@ class Program:
         self.model, self.method, self.t_end = model, method, t_end
         self.chain, self.tiled = chain, tiled
         self.stops = np.array([*sorted(inner), t_end])
-        slight = model.mass * (STEPS_OF_RATE * tolerances.atol) ** 2  # energy of a mechanism at rest
+        slight = energy_at_rest(model.mass, tolerances.atol)
         energies = None if model.energies is None else Energies(model.energies, energy_limit, model.weight, slight)
         self.ledger = ledger = Ledger(
             reductions, model.curves, self.stops.tolist(), method.samples, energies, model.watched

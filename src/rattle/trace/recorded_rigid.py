@@ -383,10 +383,7 @@ class RigidContacts:
         # what is finite has no impulse
         parts = {n: self.state[n] > (2.5 if n in self.slips else 0.5) for n in self.numbers}
         slots, count = self._slots(m, parts)
-        hits: Flag = self._hits()
-        decides: Flag = False
-        for n in self.numbers:
-            decides = decides | (self.state[n] > 2.5)
+        hits, decides = self._hits(), self._decides()
         rate = {n: m.contact_kinematics[n, at.DGAP] for n in self.numbers}
         slip = {n: m.contact_kinematics[n, at.SLIP] for n in self.numbers}
         joints = None if self.rubbing is None else self.rubbing.before(m)
@@ -403,15 +400,8 @@ class RigidContacts:
             state = [select(agreed, new, old) for new, old in zip(state, y, strict=True)]
         free: _Without = m.without_contacts
         _, _, lasts, modes = self._tried(m, slots, self._right(slots, free.normal, free.tangent), free.joints, LASTING)
-        shut: dict[int, Operand] = {}
-        slide: dict[int, Operand] = {}
-        impulse: dict[int, Operand] = {}
-        for n in self.numbers:
-            mode = _value(n, slots, modes)
-            shut[n] = select(decides, select(mode > 0.5, SHUT, OPEN), self.state[n])
-            way = select(mode < 1.5, 0.0, select(mode < 2.5, 1.0, -1.0))
-            slide[n] = select(decides, select(mode > 0.5, way, 0.0), self.slide[n])
-            impulse[n] = select(hits & agreed, _value(n, slots, (f[0] for f in struck)), 0.0)
+        shut, slide = self._lasting(slots, modes, decides)
+        impulse = {n: select(hits & agreed, _value(n, slots, (f[0] for f in struck)), 0.0) for n in self.numbers}
         solved = (met | apply("not", hits)) & (lasts | apply("not", decides))
         sound, told = select(solved, 1.0, 0.0), symbol_of(1.0)
         if self.rubbing is not None:  # joints may have other modes
@@ -422,12 +412,31 @@ class RigidContacts:
             sound = select(hits & (count > 1.0), -2.0, sound)
         return Struck(state, shut, slide, impulse, sound, turned, can, told)
 
+    def _lasting(
+        self, slots: list[_Slot], modes: list[Operand], decides: Flag
+    ) -> tuple[dict[int, Operand], dict[int, Operand]]:
+        """What contacts are from now on, and the senses of their slips, by the modes of slots if some decide."""
+        shut, slide = dict[int, Operand](), dict[int, Operand]()
+        for n in self.numbers:
+            mode = _value(n, slots, modes)
+            shut[n] = select(decides, select(mode > 0.5, SHUT, OPEN), self.state[n])
+            way = select(mode < 1.5, 0.0, select(mode < 2.5, 1.0, -1.0))
+            slide[n] = select(decides, select(mode > 0.5, way, 0.0), self.slide[n])
+        return shut, slide
+
     def _hits(self) -> Flag:
         """Whether some contact does."""
         hits: Flag = False
         for n in self.numbers:
             hits = hits | ((self.state[n] > 1.5) & (self.state[n] < 2.5))
         return hits
+
+    def _decides(self) -> Flag:
+        """Whether some contact does."""
+        decides: Flag = False
+        for n in self.numbers:
+            decides = decides | (self.state[n] > 2.5)
+        return decides
 
     def _agrees(
         self, m: SimpleNamespace, slots: list[_Slot], struck: list[list[Operand]], rubs: list[Operand]

@@ -106,6 +106,16 @@ class HeldFunctions:
     # impacts its rate [rad/s]
     struck: Struck
 
+    def add(
+        self, number: int, pressed: Operand, reserve: Operand, slip: Operand, calm: Operand, tangent: Operand,
+        bend: Operand, faint: Operand,
+    ) -> None:  # fmt: skip
+        """Append what is known of one of them."""
+        self.numbers.append(number)
+        lists = (self.pressed, self.reserve, self.slip, self.calm, self.tangent, self.bend, self.faint)
+        for each, x in zip(lists, (pressed, reserve, slip, calm, tangent, bend, faint), strict=True):
+            each.append(x)
+
 
 @dataclass(frozen=True)
 class RecordedModel:
@@ -266,40 +276,33 @@ def _record_rubbing(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray) ->
 
 def _held(met: RecordedContacts, m: SimpleNamespace, y: np.ndarray, switches: Sequence[Switch]) -> HeldFunctions:
     """Functions of contacts that their forces hold, at the state y, for which the equations of motion stand in m."""
-    struck, kinematics, bends = met.struck(m, y), m.contact_kinematics, met.bends(m)
+    struck, bends = met.struck(m, y), met.bends(m)
     held = HeldFunctions([], [], [], [], [], [], [], [], struck)
     for n in np.flatnonzero(met.by_force).tolist():
-        row, rigid, level = kinematics[n], bool(met.rigid[n]), bool(met.table[n, at.LEVEL])
-        held.numbers.append(n)
-        held.pressed.append(row[at.NORMAL] if rigid or level else met.push(m, n))
-        held.reserve.append(_reserve(met, m, n) if rigid or level else 1.0)
-        held.slip.append(met.calm(m, n, row[at.SLIP]) if rigid else 0.0)
-        held.calm.append(met.calm(m, n, row[at.DGAP]) if rigid else 0.0)
-        held.tangent.append(row[at.TANGENT] if rigid else 0.0)
-        slight, faint = met.faint(m, n) if rigid else (0.0, met.faint_clutch(m, n) if level else 0.0)
-        held.bend.append(
-            select(abs(bends[n]) <= slight, 0.0, bends[n]) if rigid else met.parting(m, n) if level else 0.0
-        )
-        held.faint.append(faint)
+        held.add(n, *_held_contact(met, m, n, bends))
     for place, joint in enumerate([] if met.rubbing is None else met.rubbing.at(m)):
-        held.numbers.append(len(met) + place)
-        held.pressed.append(1.0)
-        held.reserve.append(joint.reserve)
-        held.slip.append(joint.rate)
-        held.calm.append(joint.stuck)
-        held.tangent.append(joint.force)
-        held.bend.append(joint.ahead)
-        held.faint.append(joint.slack)
-    for place, switch in enumerate(switches):
-        held.numbers.append(met.inputs - len(switches) + place)
-        held.pressed.append(switch.side * switch.rate)
-        held.reserve.append(switch.side * switch.value)
-        held.slip.append(switch.value)
-        held.calm.append(select(switch.jolts, 1.0, 0.0))
-        held.tangent.append(switch.rate)
-        held.bend.append(select(switch.jumps, 1.0, 0.0))
-        held.faint.append(switch.slight)
+        held.add(
+            len(met) + place, 1.0, joint.reserve, joint.rate, joint.stuck, joint.force, joint.ahead, joint.slack
+        )  # fmt: skip
+    for n, switch in enumerate(switches, met.inputs - len(switches)):
+        jolts, jumps = (select(flag, 1.0, 0.0) for flag in (switch.jolts, switch.jumps))
+        pressed, reserve = switch.side * switch.rate, switch.side * switch.value
+        held.add(n, pressed, reserve, switch.value, jolts, switch.rate, jumps, switch.slight)
     return held
+
+
+def _held_contact(met: RecordedContacts, m: SimpleNamespace, n: int, bends: dict[int, Operand]) -> list[Operand]:
+    """What `HeldFunctions` has of contact n, in its order; bends: g'' of rigid ones."""
+    row = m.contact_kinematics[n]
+    if met.rigid[n]:
+        slight, faint = met.faint(m, n)
+        slip, rate = (met.calm(m, n, row[column]) for column in (at.SLIP, at.DGAP))
+        bend = select(abs(bends[n]) <= slight, 0.0, bends[n])
+        return [row[at.NORMAL], _reserve(met, m, n), slip, rate, row[at.TANGENT], bend, faint]
+    if met.table[n, at.LEVEL]:
+        faint = met.faint_clutch(m, n)
+        return [row[at.NORMAL], _reserve(met, m, n), 0.0, 0.0, 0.0, met.parting(m, n), faint]
+    return [met.push(m, n), 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]
 
 
 def _reserve(met: RecordedContacts, m: SimpleNamespace, n: int, calm: bool = True) -> Operand:

@@ -22,7 +22,7 @@ from rattle.analyses.straight_line.lane_model import weight
 from rattle.equations.state import state_layout
 from rattle.questions.sensitivity.functions import Functions, Rates
 from rattle.questions.sensitivity.step import POWER, Step, Tolerance, try_step
-from rattle.solvers.step_audit import STEPS_OF_RATE
+from rattle.solvers.step_audit import energy_at_rest
 from rattle.solvers.step_size import SAFETY, longer, shorter
 
 ENERGY = 1e-3  # share of the largest energy that may be unaccounted for, as for adaptive steppers
@@ -72,7 +72,7 @@ class Motion:
         self.steps = self.rejected = self.switched = 0
         self.wall = 0.0
         self._lifting, mass = weight(system)  # [J], [kg]
-        self._resting = mass * (STEPS_OF_RATE * atol) ** 2  # energy of a mechanism at rest [J]
+        self._resting = energy_at_rest(mass, atol)  # [J]
         self._longest = math.inf  # step that shows all that happens [s]
         self._beyond: Rates | None = None  # on another side of a switch, in the last step that failed there
         self._passes, self._passed_at = 0, -math.inf  # switches one after the other that make no way
