@@ -108,6 +108,20 @@ friction = { model = "coulomb", mu = "mu" }
     assert_alike(m, samples, ["final(crank.angle)", "final(wheel.omega)", LOST], 0.6, rel=1e-6, abs=1e-8)
 
 
+@pytest.mark.parametrize("clutch", [IDEAL, '["one", "two"], model = "viscous", damping = 0.5'])
+def test_a_pin_without_friction_turns_from_rest(clutch):
+    """f = 0 of the model itself: nothing holds the first shaft."""
+    m = rt.loads(two_shafts(clutch, "1")).set(f=0.0)
+    samples = {"g": np.array([0.2, 0.3])}
+    _, (rate,) = side_by_side(m, samples, ["final(two.omega)"], 1.0, **FINE)
+    if clutch == IDEAL:
+        assert rate == pytest.approx((1.0 - samples["g"]) / 0.08, rel=1e-10)
+    _, (given,) = side_by_side(
+        rt.loads(two_shafts(clutch, "1")), {"f": np.zeros(2), **samples}, ["final(two.omega)"], 1.0, **FINE
+    )
+    assert rate == pytest.approx(given, rel=1e-9)
+
+
 def test_ratchets_run_one_by_one():
     m = rt.loads(two_shafts('["one", "two"], model = "ratchet", teeth = 24', PUSH.replace("T", "2")))
     found = m.many({"f": [0.1]}, t_end=0.1, outputs=["final(two.angle)"])

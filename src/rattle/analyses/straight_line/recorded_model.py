@@ -530,7 +530,8 @@ def _require_equal(
     _let_clutches_drive(system, workspace, y)
     if len(modes):
         rubs = np.flatnonzero(system.arrays["dry"][:, at.DRY_LAW] < 0)
-        workspace.dry_memory[rubs, at.DRY_MODE] = modes[: len(rubs)]
+        rough = system.arrays["values"][system.arrays["dry"][rubs, at.DRY_P] + at.DRY_MU_STATIC] > 0.0
+        workspace.dry_memory[rubs, at.DRY_MODE] = np.where(rough, modes[: len(rubs)], 1.0)  # nothing holds others
         for switch, side in zip(system.switches, modes[len(rubs) :].astype(int), strict=False):
             workspace.code[switch.row, SIDE] = side
     with np.errstate(all="ignore"):  # what is not finite is said below
