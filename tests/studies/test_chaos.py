@@ -218,6 +218,25 @@ def exponent_by_reflection(amplitude, e, t_end, stretch):
     return sum(kept) / len(kept) / stretch, impacts
 
 
+@pytest.mark.parametrize("name", ["cam_lift_off", "ratchet", "scotch_yoke", "geneva", "door_closer"])
+def test_neighbouring_motions_that_become_one_have_no_growth(name):
+    """A contact or a stop holds what a driver does not, so that nothing is left of another start."""
+    found = rt.example(name).lyapunov()
+    assert found.exponent == -math.inf
+    assert not found.chaotic
+    assert found.horizon() == math.inf
+    assert found.vanished < rt.example(name).model.settings.t_end
+    assert f"neighbouring motions have become the same one by t = {found.vanished:.3g} s" in str(found)
+    assert f"vanish by t = {found.vanished:.3g} s" in repr(found)
+
+
+def test_a_state_at_rest_at_the_start_counts_in_the_range_that_it_reaches_soon():
+    # the bristles of the pin's friction bend by 1e-15 of their range in the first stretches
+    found = rt.example("door_hinge").lyapunov()
+    assert math.isfinite(found.exponent)
+    assert not found.chaotic
+
+
 def test_growth_in_proportion_to_time_is_not_called_chaos():
     found = rt.example("bouncing_pin").lyapunov(2.0)  # slides round for ever, the second pin a little faster or slower
     assert not found.chaotic

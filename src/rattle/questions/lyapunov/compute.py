@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 ROUNDING = 1e-9  # [-] by which stretches may be longer than the run: that of its division
 SHORTER = 6  # how often a stretch is cut to a quarter if the growth in it is not linear
+TO_VANISH = 3  # the same where a difference vanishes in one, before it counts as gone at once
 UNSURE = 0.8  # uncertainty, as a share of the exponent, above which the exponent is not determined
 ROUGH = 0.3  # the same above which it is called rough
 ENOUGH = 100.0  # growth of differences below which the motion may be regular: there they grow in proportion to time
@@ -46,6 +47,7 @@ class Lyapunov(NamedTuple):
     growth: np.ndarray  # (n,) natural logarithm of the growth in every stretch [-]
     stretch: float  # length of a stretch [s]
     how: str = ""  # "exact variational equations", or "two neighbouring runs" and why
+    vanished: float = math.nan  # instant at which neighbouring motions have become the same one [s]; nan: they have not
 
     @property
     def chaotic(self) -> bool:
@@ -57,7 +59,9 @@ class Lyapunov(NamedTuple):
         return math.log(seen / error) / self.exponent if self.exponent > 0.0 else math.inf
 
     def __repr__(self) -> str:
-        return f"<rattle.Lyapunov: {self.exponent:.3g} +- {self.uncertainty:.2g} 1/s over {self.span:.4g} s>"
+        gone = math.isfinite(self.vanished)
+        found = f"differences vanish by t = {self.vanished:.3g} s" if gone else self._number()
+        return f"<rattle.Lyapunov: {found}>"
 
     def _repr_html_(self) -> str:
         return lines(str(self))
@@ -65,8 +69,17 @@ class Lyapunov(NamedTuple):
     def __str__(self) -> str:
         return f"{self._finding()}\nby {self.how}" if self.how else self._finding()
 
+    def _number(self) -> str:
+        return f"{self.exponent:.3g} +- {self.uncertainty:.2g} 1/s over {self.span:.4g} s"
+
     def _finding(self) -> str:
-        words = f"largest Lyapunov exponent {self.exponent:.3g} +- {self.uncertainty:.2g} 1/s over {self.span:.4g} s"
+        if math.isfinite(self.vanished):
+            return (
+                f"no exponential growth of errors: neighbouring motions have become the same one by t = "
+                f"{self.vanished:.3g} s (small differences shrank there more than 1e7-fold in {self.stretch:.2g} s), "
+                "so the largest Lyapunov exponent is -inf"
+            )
+        words = f"largest Lyapunov exponent {self._number()}"
         seen, bounded = math.exp(min(self.exponent * self.span, 700.0)), 1.001 * math.log(ENOUGH) / self.span
         if self.uncertainty > max(UNSURE * abs(self.exponent), bounded):
             return f"{words}: not determined, the uncertainty is as large as the exponent; run much longer"
@@ -98,7 +111,8 @@ def lyapunov(
     The exponent is the slope of the best line through the logarithm of the growth over time.  Where differences changed
     less than a hundredfold it may be zero or any other that small, as in a run shorter than the mechanism's own times.
     With set-valued contacts two runs are event-driven; a stretch lasts a little longer if at its end one run has had
-    an impact that the other is about to have.
+    an impact that the other is about to have.  Where contacts hold every position, or all rests, neighbouring motions
+    become one and the same: then the exponent is -inf, and `vanished` says when.
     Raises InputError if the drivers determine every position (then nothing can grow), or if a run cannot go on.
     """
     functions.start()
@@ -111,6 +125,9 @@ def lyapunov(
         raise InputError(f"skip must be a share of the run, from 0 to below 1; got {skip}")
     _require_mobility(m)
     growth, length, how, precision = _growths(m, span, length, rtol)
+    lasts = np.isfinite(growth)
+    if not lasts.all():
+        return Lyapunov(-math.inf, 0.0, span, growth, length, how, m.start.t + length * int(1 + lasts.sum()))
     kept = growth[int(skip * len(growth)) :]
     exponent, seen = _slope(kept) / length, len(kept) * length
     return Lyapunov(exponent, _uncertainty(kept, exponent, length, precision), seen, growth, length, how)
@@ -158,7 +175,7 @@ def _require_mobility(m: Mechanism) -> None:
 def _growths(m: Mechanism, span: float, length: float, rtol: float) -> tuple[np.ndarray, float, str, float]:
     """(n,) logarithm of the growth in every stretch, the length of a stretch [s], how it was found, how precisely."""
     why = ""
-    for _ in range(SHORTER):
+    for attempt in range(SHORTER):
         times = m.start.t + length * np.arange(1, max(2 * BLOCKS, round(span / length)) + 1)
         apart = parts_of(m, length, times)
         first = np.random.default_rng(1).normal(size=len(apart.places))
@@ -169,7 +186,7 @@ def _growths(m: Mechanism, span: float, length: float, rtol: float) -> tuple[np.
             except TraceError as error:
                 why = str(error)
         grown = neighbouring_runs.growths(m, first, apart, times, rtol)
-        if grown is not None:
+        if grown is not None and (attempt >= TO_VANISH or np.isfinite(grown).all()):
             return grown, length, f"two neighbouring runs, because {why}", APART
         length /= 4.0
     raise InputError(f"differences grow too fast even over {length:.3g} s; give a shorter stretch")

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 APART = 1e-7  # distance to which the second run is rescaled, positions in mechanism lengths
 LARGEST_GROWTH = 1e4  # of that distance in a stretch; above it the growth is not linear
+GONE = 1e-7  # of that distance in a stretch; below it what is left is rounding
+LOST = 1e-2  # share of that distance that the rounding of positions and rates may be
+BEGINNING = 20  # part of the run in which a state that begins at rest reaches its range
 ROUGHLY = 1e-6  # relative tolerance of the run that shows the range of states
 RESTS = 1e-9  # share of its value below which the range of a state is rounding
 LATE = 6  # how often the end of a stretch is postponed if one of the two runs has just had an impact
@@ -43,7 +46,7 @@ class Apart(NamedTuple):
 
 
 def parts_of(m: Mechanism, length: float, times: np.ndarray) -> Apart:
-    """What can differ: positions in lengths of the mechanism, rates in these per stretch, a state in its range.
+    """What can differ: positions in lengths of the mechanism, rates in these per stretch, a state in its range so far.
 
     length: of a stretch [s].  times: (n,) at which stretches end [s].  Raises ValueError if the run cannot go on.
     """
@@ -66,6 +69,8 @@ def _ranges(m: Mechanism, states: slice, times: np.ndarray) -> np.ndarray:
         _go(run, t)
         values.append(run.workspace.state[states].copy())
     highest, lowest = np.maximum.accumulate(values)[1:], np.minimum.accumulate(values)[1:]
+    begun = len(times) // BEGINNING
+    highest[:begun], lowest[:begun] = highest[begun], lowest[begun]
     largest = np.maximum(np.abs(highest), np.abs(lowest))
     rests = highest - lowest <= RESTS * largest
     return np.where(rests, np.where(largest > 0.0, largest, 1.0), highest - lowest)
@@ -74,8 +79,9 @@ def _ranges(m: Mechanism, states: slice, times: np.ndarray) -> np.ndarray:
 def growths(m: Mechanism, first: np.ndarray, apart: Apart, times: np.ndarray, rtol: float) -> np.ndarray | None:
     """(n,) natural logarithm of the growth of a difference in every stretch that ends at times (n,) [s].
 
-    None if the growth in a stretch is not linear.  first: (6 nb,) direction of the difference at the start, weighted.
-    weight: (6 nb,) of positions and rates in its size.  Raises InputError if a run cannot go on.
+    None if the growth in a stretch is not linear; -inf from a stretch on in which the difference vanishes.
+    first: (n,) direction of the difference at the start, weighted.  apart: what differs, and how it counts.
+    Raises InputError if a run cannot go on.
     """
     span, length = float(times[-1]), float(times[0])
     stepper, _ = choose_stepper(m.system, None, None, span)
@@ -86,10 +92,13 @@ def growths(m: Mechanism, first: np.ndarray, apart: Apart, times: np.ndarray, rt
         _must(run, run.begin(m.start.t))
     two.workspace.state[apart.places] += APART / math.sqrt(len(first)) * (first / apart.weight(0))
     _renew(base, two)
-    growth = np.zeros(len(times))
+    growth = np.full(len(times), -math.inf)
     for k, t in enumerate(times):
         weight = apart.weight(k)
         before = _distance(base, two, apart.places, weight)
+        _require_seen(base, apart.places, weight, k * length)
+        if before < GONE * APART:
+            return growth
         for late in range(LATE + 1):
             for run in (base, two):
                 _go(run, t + late * length / 64.0)
@@ -98,14 +107,26 @@ def growths(m: Mechanism, first: np.ndarray, apart: Apart, times: np.ndarray, rt
                 break
             if late == LATE or stepper.leaf.loop != EVENT_DRIVEN:
                 return None
-        growth[k] = math.log(now / before) if now > 0.0 < before else 0.0
-        after = _distance(base, two, apart.places, apart.weight(min(k + 1, len(times) - 1)))
-        _renew(base, two, APART / after if after > 0.0 else 1.0)
+        if now < GONE * before:
+            return growth
+        growth[k] = math.log(now / before)
+        _renew(base, two, APART / _distance(base, two, apart.places, apart.weight(min(k + 1, len(times) - 1))))
     return growth
 
 
 def _distance(base: Any, two: Any, places: np.ndarray, weight: np.ndarray) -> float:
     return float(np.linalg.norm(weight * (two.workspace.state[places] - base.workspace.state[places])))
+
+
+def _require_seen(base: Any, places: np.ndarray, weight: np.ndarray, t: float) -> None:
+    """Raise InputError where a difference is lost in the rounding of a state that grows without end."""
+    largest = float(np.abs(weight * base.workspace.state[places]).max(initial=0.0))
+    if not np.finfo(float).eps * largest < LOST * APART:
+        raise InputError(
+            f"by t = {t:.6g} s the motion has grown to {largest:.1g} times the size of the mechanism, or as many rad:"
+            " small differences are lost in rounding there, so there is no exponent; end the run earlier, or add what"
+            " limits it"
+        )
 
 
 def _renew(base: Any, two: Any, share: float = 1.0) -> None:
