@@ -98,6 +98,12 @@ def test_samples_whose_force_towers_have_no_number_and_say_so_once():
     assert said.strip().startswith("2 x max(B.force): B.force towers with a rigid contact; ask for its impulse")
 
 
+@pytest.mark.parametrize("output", ["final(B.angle)", "max(arm.T.x)", "min(B.rate)"])
+def test_samples_run_side_by_side_beside_forces_that_tower_where_none_is_asked_for(output):
+    found = rt.loads(SLIPPERY).set(mu=0.001).many({"mu": [0.001, 0.002]}, [output], t_end=0.06)
+    assert found.stats["how"] == "2 run side by side"
+
+
 def test_whether_a_torque_towers_does_not_depend_on_what_else_is_asked():
     m = rt.loads(
         """

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from rattle.analyses.straight_line.derived_curves import derived_units
 from rattle.analyses.straight_line.recorded_model import RecordedModel
 from rattle.analyses.straight_line.start_kept import driven_bodies
 from rattle.analyses.straight_line.starts import Starts
@@ -74,8 +75,10 @@ class Asked:
     def towers(self) -> dict[str, tuple[int, int]]:
         """Rows of the largest force and of its mean of joints with rigid contacts, beside which forces may
         rise without meaning; none where no output depends on a force."""
-        units = {**self.model.units, **dict.fromkeys(("t", *self.model.values), "")}
-        joints, rows = geometry(self.model.system.model)["joints"], {}
+        model = self.model.system.model
+        units = {**derived_units(model, self.model.curves), **self.model.units}
+        units |= dict.fromkeys(("t", *self.model.values), "")
+        joints, rows = geometry(model)["joints"], {}
         for joint in may_tower(self.outputs, lambda name: units.get(name, RISING[0]), joints):
             curve = self._curve(self.model.symbol(f"{joint}.force"))
             rows[joint] = self._place(Reduction("max", curve)), self._place(Reduction("mean", curve))
