@@ -418,6 +418,13 @@ def test_a_clutch_whose_rates_jump(clutch):
     assert_alike(m, {"T": np.array([-2.0, 2.0, 4.0])}, outputs, 1.5, rel=1e-5, abs=1e-7)
 
 
+def test_clutches_that_let_go_of_fast_shafts_do_not_take_again_by_rounding():
+    """What is left of equal speeds of 50 rad/s, behind rods, is 3e-13 rad/s; it grows with the second power of time."""
+    m = rt.example("torque_converter")
+    r = m.parameters["r"] * (1.0 + 1e-4 * np.linspace(-1.0, 1.0, 8))[[0, 4, 5]]
+    assert_alike(m, {"r": r}, ["final(rotor.angle)", "max(one.torque)"], 0.1, rel=1e-6, rtol=1e-8)
+
+
 SLIPS = 'model = "ideal", max_torque = 0.8'
 
 

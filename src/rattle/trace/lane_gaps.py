@@ -244,7 +244,7 @@ def _held_looks(
 
 def _floors(meets: Meets, touch: Touch, n: int, faint: Operand) -> list[tuple[str, Operand]]:
     """What may be rounding of the force of a contact, and of what is left of its stick or slip."""
-    if meets.table[n, at.LEVEL] and n not in meets.rigid:  # it waits for a rate
+    if meets.table[n, at.LEVEL] and n not in meets.limited:  # it waits for a rate
         return [("pressed", faint), ("reserve", faint)]
     return [("pressed", faint), ("reserve", select(_bears(meets, touch, n), 2.0 * faint, 0.0))]
 

@@ -298,6 +298,8 @@ def _held_contact(met: RecordedContacts, m: SimpleNamespace, n: int, bends: dict
         slight, faint = met.faint(m, n)
         slip, rate = (met.calm(m, n, row[column]) for column in (at.SLIP, at.DGAP))
         bend = select(abs(bends[n]) <= slight, 0.0, bends[n])
+        if met.table[n, at.LEVEL] and not met.limited[n]:  # open, it waits for a rate
+            faint = select(met.is_shut[n], faint, met.slow(m, n))
         return [row[at.NORMAL], _reserve(met, m, n), slip, rate, row[at.TANGENT], bend, faint]
     if met.table[n, at.LEVEL]:
         faint = met.faint_clutch(m, n)
