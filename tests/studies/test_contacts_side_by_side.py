@@ -293,6 +293,15 @@ ball = { y = "h", vy = 0 }
     assert between == pytest.approx(2 * G, rel=1e-9)
 
 
+def test_two_feet_that_stand_still_at_once_share_what_one_would_bear():
+    """A ladder slides till its cord is tight, and stops: how its feet share the friction is not determined, and one of
+    them bears all that it can without slipping."""
+    m = rt.example("step_ladder")
+    lengths = m.parameters["l"] * (1.0 + 0.01 * np.linspace(-1.0, 1.0, 12))
+    samples = {"l": lengths[[0, 1, 2, 3, 8]]}
+    assert_alike(m, samples, ["final(right.angle)", "final(left.x)", "max(cord.force)"], 0.3, rel=1e-7)
+
+
 def test_a_flank_that_has_just_let_go_does_not_knock_by_rounding():
     """Its gap opens with the third power of time."""
     m = rt.example("gear_rattle").set(drag=0.1593)

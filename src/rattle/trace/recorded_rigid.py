@@ -633,7 +633,8 @@ class RigidContacts:
                 flags += [abs(f[k][1]) <= (1.0 + SLIGHT) * mus[k] * f[k][0], slots[k].loose[1]]
                 flags += [abs(after[w * k + 1]) <= close, apply("equal", slide, 0.0)]
             else:
-                flags.append(self._slips_away(mode, after[w * k + 1], slide))
+                slight = SLIGHT * problem.size[w * k + 1] + own[w * k + 1] * most
+                flags.append(self._slips_away(mode, after[w * k + 1], slide, slight))
         return flags
 
     def _within_limits(self, mosts: list[Operand], combination: Sequence[int], f: list[list[Operand]]) -> list[Flag]:
@@ -647,11 +648,12 @@ class RigidContacts:
         return flags
 
     @staticmethod
-    def _slips_away(mode: int, after: Operand, slide: Operand) -> Flag:
-        """Whether a slot slips in the sense of its mode, or is given to; after: its slip, or how that changes."""
+    def _slips_away(mode: int, after: Operand, slide: Operand, slight: Operand) -> Flag:
+        """Whether a slot slips in the sense of its mode, or is given to; after: its slip, or how that changes, which
+        others may hold at zero but for what is slight."""
         sense = 1.0 if mode == FORWARD else -1.0
         slipped = apply("not", apply("equal", slide, 0.0))
-        return select_flag(slipped, sense * slide > 0.0, sense * after >= 0.0)
+        return select_flag(slipped, sense * slide > 0.0, sense * after >= -slight)
 
     def _after(
         self, m: SimpleNamespace, y: np.ndarray, slots: list[_Slot], impulses: list[list[Operand]],
