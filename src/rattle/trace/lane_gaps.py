@@ -234,8 +234,10 @@ def _held_looks(
         waits = True if n in meets.limited else apply("not", shut)
         return [pressed.instead_of(_NOTHING, shut), reserve.instead_of(_NOTHING, waits)]
     looks = [pressed.instead_of(gap, shut)]
-    if n in meets.rigid:
-        return [*looks, reserve.instead_of(_NOTHING, shut)]
+    if n in meets.rigid:  # what others hold does not slip, though it bears all that it can
+        begins, _, ends, *_ = values[1]
+        held = apply("equal", begins, 0.0) & apply("equal", ends, 0.0)
+        return [*looks, reserve.instead_of(_NOTHING, shut & apply("not", held))]
     start, middle, end, most, floor = values[0]
     again = _reserve_at(h, missed, -start, -middle, -end, most, floor)
     through = _NOTHING._replace(free=gap.free, allowed=gap.allowed)  # from wall to wall, without force between them

@@ -282,9 +282,7 @@ class Meeting:
         return shut, speed
 
     def _is_gentle(self, n: int) -> Flag:
-        """Whether a rigid contact that is met is hit by rounding alone, beside clutches that hold what rubs at rest."""
-        if not self.meets.clutches_hold:
-            return False
+        """Whether a rigid contact that is met is hit by rounding alone, as what rests at its wall does."""
         return apply("not", self.ends.held["calm"][self.meets.held.index(n)] < 0.0)
 
     def _is_open_question(self, n: int, shut: Operand, speed: Operand) -> Flag:

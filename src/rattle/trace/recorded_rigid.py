@@ -217,11 +217,9 @@ class RigidContacts:
         terms = abs(m.contact_kinematics[n, at.GAMMA_N])
         for place in np.ndindex(push.shape):
             if place[0] > 0:
-                terms = terms + abs(push[place] * m.acceleration[place])
+                pressed = m.weight[place] * m.force[place]  # of a body at rest others take it up, but for rounding
+                terms = terms + abs(push[place] * m.acceleration[place]) + abs(push[place] * pressed)
                 free = free + push[place] * push[place] * m.weight[place]
-        if self.clutches_hold:  # so may what clutches hold
-            for place in np.ndindex(push.shape):
-                terms = terms + (abs(push[place] * m.weight[place] * m.force[place]) if place[0] > 0 else 0.0)
         for j in range(len(m.dry_memory)):  # friction of joints may balance what presses
             terms = terms + abs(power(push, away(m, j)) * m.dry_memory[j, at.DRY_FORCE])
         return ROUNDED * terms, ROUNDED * terms / free
@@ -496,8 +494,8 @@ class RigidContacts:
         hits = slot.of({
             n: select((self.state[n] > 1.5) & (rate[n] < -slight[n]), 1.0, 0.0) for n in self.numbers
         })  # fmt: skip
-        if self.clutches_hold:  # what rests at its wall beside a clutch that takes up hits it by rounding
-            rate = {n: select(abs(rate[n]) <= REST + slight[n], 0.0, rate[n]) for n in self.numbers}
+        # what rests at its wall hits it by rounding
+        rate = {n: select(abs(rate[n]) <= REST + slight[n], 0.0, rate[n]) for n in self.numbers}
         e, e_t = (slot.of(self._of(m, k)) for k in (at.RESTITUTION, at.TANGENTIAL_RESTITUTION))
         normal = -(1.0 + hits * e) * slot.of(rate)
         return normal, (-(1.0 + hits * e_t) * slot.of(slip) if self.rough else 0.0)
