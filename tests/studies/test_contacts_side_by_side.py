@@ -302,6 +302,46 @@ def test_two_feet_that_stand_still_at_once_share_what_one_would_bear():
     assert_alike(m, samples, ["final(right.angle)", "final(left.x)", "max(cord.force)"], 0.3, rel=1e-7)
 
 
+def test_a_block_comes_to_rest_in_a_corner():
+    """It slides to a wall, tips in the corner about a point that floor and wall hold, and rests at both."""
+    m = rt.loads("""
+format = 1
+gravity = [0, -9.81]
+parameters = { mu = 0.2, T = 1.0 }
+ground.points = { O = [0, 0], W = [0.8, 0] }
+[bodies.b]
+points = { L = [-0.2, -0.1], R = [0.2, -0.1], C = [0.028, 0.0148] }
+mass = 2
+inertia = 0.03
+[joints.left]
+type = "surface"
+connect = ["ground.O", "b.L"]
+axis = 0
+contact = { model = "impact", restitution = 0.3, friction = "mu" }
+[joints.right]
+type = "surface"
+connect = ["ground.O", "b.R"]
+axis = 0
+contact = { model = "impact", restitution = 0, friction = "mu" }
+[joints.wall]
+type = "surface"
+connect = ["ground.W", "b.R"]
+axis = "90 deg"
+contact = { model = "impact", restitution = 0, friction = "mu" }
+[loads.push]
+type = "force"
+at = "b.C"
+force = ["3*T*sin(3*t + 2)", 0]
+[initial.b]
+x = 0
+y = 0.13
+angle = 0
+vx = 2
+""")
+    samples = {"mu": np.array([0.548, 0.468, 0.0597, 0.089]), "T": np.array([1.18, 1.69, 1.86, 1.69])}
+    assert_alike(m, samples, ["final(b.x)", "max(b.angle)", "final(b.vx)", LOST], 0.8, rel=1e-7, abs=1e-9, rtol=1e-10)
+
+
 def test_a_flank_that_has_just_let_go_does_not_knock_by_rounding():
     """Its gap opens with the third power of time."""
     m = rt.example("gear_rattle").set(drag=0.1593)
