@@ -217,8 +217,10 @@ class RigidContacts:
         terms = abs(m.contact_kinematics[n, at.GAMMA_N])
         for place in np.ndindex(push.shape):
             if place[0] > 0:
-                pressed = m.weight[place] * m.force[place]  # of a body at rest others take it up, but for rounding
-                terms = terms + abs(push[place] * m.acceleration[place]) + abs(push[place] * pressed)
+                # what presses on a body at rest others take up, but for rounding of all of it
+                forces = m.force[place[0], :2] if place[1] < 2 else m.force[place[0], 2:]
+                pressed = m.weight[place] * summed(abs(x) for x in forces)
+                terms = terms + abs(push[place] * m.acceleration[place]) + abs(push[place]) * pressed
                 free = free + push[place] * push[place] * m.weight[place]
         for j in range(len(m.dry_memory)):  # friction of joints may balance what presses
             terms = terms + abs(power(push, away(m, j)) * m.dry_memory[j, at.DRY_FORCE])
