@@ -234,6 +234,17 @@ def test_a_pin_with_friction_slides_sticks_and_comes_back():
     assert_alike(m, samples, ["count(B.contacts)", "final(slider.x)", LOST], 0.021, rel=1e-5, abs=1e-9, rtol=1e-10)
 
 
+def test_a_slip_that_begins_and_ends_at_zero_in_one_step_ends_there():
+    contact = '{ model = "impact", restitution = 0.9, friction = "mu", bush_radius = "10 mm" }'
+    text = (
+        rt.examples()["slider_crank_play"].read_text(encoding="utf-8").replace("[parameters]", "[parameters]\nmu = 0.1")
+    )
+    begin, end = text.index("[joints.B.contact]"), text.index("[joints.guide]")
+    m = rt.loads(text[:begin].replace('clearance = "c"', f'clearance = "c"\ncontact = {contact}') + text[end:])
+    samples = {"c": 0.5e-3 * np.linspace(0.95, 1.05, 1024)[[338, 724]]}
+    assert_alike(m, samples, ["final(slider.x)", LOST], 0.0085, rel=1e-5, rtol=1e-8)
+
+
 ROW = """
 format = 1
 parameters = { e = 1.0, gap = 0.0 }

@@ -37,6 +37,7 @@ SLIGHT = 1e-12  # share of a force, or of a slip, that may be rounding
 AT_ONCE = 4.0  # of the time by which a joint that comes to rest is too early: others have come to rest with it
 BACK = 10.0  # of what may be rounding: so near zero a curve begins that may turn back, and so far from there it has
 NOTHING_LEFT = 1e-10  # share of it that counts as none where a step is to end with it
+HELD = 1e-11  # slip midway [m/s or rad/s] that may be rounding where others hold it at zero at both ends
 
 
 def middle(method: Method, ny: int, nq: int, watched: int) -> Recorded:
@@ -235,8 +236,8 @@ def _held_looks(
         return [pressed.instead_of(_NOTHING, shut), reserve.instead_of(_NOTHING, waits)]
     looks = [pressed.instead_of(gap, shut)]
     if n in meets.rigid:  # what others hold does not slip, though it bears all that it can
-        begins, _, ends, *_ = values[1]
-        held = apply("equal", begins, 0.0) & apply("equal", ends, 0.0)
+        begins, middle, ends, *_ = values[1]
+        held = apply("equal", begins, 0.0) & apply("equal", ends, 0.0) & (abs(middle) <= HELD)
         return [*looks, reserve.instead_of(_NOTHING, shut & apply("not", held))]
     start, middle, end, most, floor = values[0]
     again = _reserve_at(h, missed, -start, -middle, -end, most, floor)
