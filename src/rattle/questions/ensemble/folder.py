@@ -186,7 +186,7 @@ class Folder:
 
         try:
             with file.path.open("rb") as opened:
-                return parquet.ParquetFile(opened, page_checksum_verification=True).read(columns)
+                return parquet.ParquetFile(opened, page_checksum_verification=True).read(columns, use_threads=False)
         except PermissionError:
             raise
         except (OSError, pyarrow.ArrowException) as error:
