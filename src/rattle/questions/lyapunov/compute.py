@@ -60,8 +60,8 @@ class Lyapunov(NamedTuple):
 
     def __repr__(self) -> str:
         gone = math.isfinite(self.vanished)
-        found = f"differences vanish by t = {self.vanished:.3g} s" if gone else self._number()
-        return f"<rattle.Lyapunov: {found}>"
+        words = f"differences vanish by t = {self.vanished:.3g} s" if gone else self._number()
+        return f"<rattle.Lyapunov: {words}>"
 
     def _repr_html_(self) -> str:
         return lines(str(self))
