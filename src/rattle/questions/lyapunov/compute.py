@@ -76,8 +76,8 @@ class Lyapunov(NamedTuple):
         if math.isfinite(self.vanished):
             return (
                 f"no exponential growth of errors: neighbouring motions have become the same one by t = "
-                f"{self.vanished:.3g} s (small differences shrank there more than 1e7-fold in {self.stretch:.2g} s), "
-                "so the largest Lyapunov exponent is -inf"
+                f"{self.vanished:.3g} s (of a small difference less than 1e-7 is left within {self.stretch:.2g} s), so "
+                "the largest Lyapunov exponent is taken as -inf; a shorter stretch tells a very fast decay from that"
             )
         words = f"largest Lyapunov exponent {self._number()}"
         seen, bounded = math.exp(min(self.exponent * self.span, 700.0)), 1.001 * math.log(ENOUGH) / self.span
@@ -112,7 +112,8 @@ def lyapunov(
     less than a hundredfold it may be zero or any other that small, as in a run shorter than the mechanism's own times.
     With set-valued contacts two runs are event-driven; a stretch lasts a little longer if at its end one run has had
     an impact that the other is about to have.  Where contacts hold every position, or all rests, neighbouring motions
-    become one and the same: then the exponent is -inf, and `vanished` says when.
+    become one and the same: then the exponent is -inf, and `vanished` says when.  A decay that leaves less than 1e-7
+    within a stretch, cut to a 64th, counts as that; give a shorter stretch to tell it.
     Raises InputError if the drivers determine every position (then nothing can grow), or if a run cannot go on.
     """
     functions.start()
